@@ -62,6 +62,7 @@ def test_a_bearing_keeps_its_coulomb_part_where_its_rise_near_rest_is_asked_for(
     assert set(rig.only("bearing.stribeck").effects()) == {"bearing.coulomb", "bearing.stribeck"}
 
 
+@pytest.mark.long
 def test_a_converter_without_slip_is_locked_up():
     rig = gb.Drivetrain("start on a converter")
     converter = gb.TorqueConverter(
@@ -133,6 +134,7 @@ def _small_pinion(small):
     return rig
 
 
+@pytest.mark.long
 def test_the_inertia_of_a_small_part_is_lumped_into_its_neighbour_times_the_ratio_squared():
     rig = _small_pinion(small=True)
     assert "pinion.inertia" in rig.effects()

@@ -240,7 +240,7 @@ def _shown_torques(model, run):
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long) if n in MANY else n for n in CASES])
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 def test_stored_lost_and_supplied_energy_of_a_block_are_what_flows_through_it(name):
     case = CASES[name]
     model = gb.build(_train(case))

@@ -77,7 +77,7 @@ def test_every_effect_of_the_spline_coupling_can_go():
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_effects_of_a_drawn_train_can_go(family):
     train = draw(family, 1)
     _leave_out(build(train, gb), Random(3), most=1, **arguments(train, gb))

@@ -50,7 +50,7 @@ def _train(block, flanges):
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.long] * (name == "ratio law")) for name in CASES]
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_housing_that_turns_evenly_takes_the_motion_along(name):
     block, flanges, speeds = CASES[name]
     model, runs = gb.build(_train(block, flanges)), []

@@ -86,6 +86,7 @@ def test_the_spline_chain_without_compliance_is_one_body():
     assert run["left.torque"][0] == pytest.approx(2600 - 5e-3 * alpha, rel=1e-12)
 
 
+@pytest.mark.long
 def test_an_effect_left_out_leaves_no_trace():
     rig = _two_meshes()
     full = gb.build(rig).program.source

@@ -68,11 +68,11 @@ ORDERS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["rodas", "dp8"])
 @pytest.mark.parametrize(
     "make", [pytest.param(make, marks=[pytest.mark.long] * (make in (_paced, _slipping))) for make in ORDERS]
 )
-@pytest.mark.few(2)
 def test_every_angle_is_the_same_in_any_order_of_parts(make, method):
     plain = gb.simulate(_chain(make, (), False), t=T, method=method)
     for order, flipped in ((ORDERS[make], False), ((), True), (ORDERS[make], True)):
@@ -82,6 +82,7 @@ def test_every_angle_is_the_same_in_any_order_of_parts(make, method):
 
 
 @pytest.mark.parametrize("method", ["rodas", "dp8"])
+@pytest.mark.few(1)
 def test_an_angle_that_no_law_reads_is_the_integral_of_its_speed(method):
     """Two bodies, a spring, one angle that is integrated, events that cut steps: held against scipy."""
     rig = gb.Drivetrain("two")

@@ -267,6 +267,7 @@ def test_units_of_length_and_mass_that_are_powers_of_two_change_no_bit(plan, pow
     assert np.array_equal(motion(run, plan), motion(other, plan))
 
 
+@pytest.mark.long
 @given(plans(), st.tuples(*[st.sampled_from([1e-12, 1.0, 1e12])] * 3))
 @examples(8)
 def test_other_units_of_length_time_and_mass_scale_the_motion(plan, factors):
@@ -316,6 +317,7 @@ def test_a_train_without_losses_and_loads_keeps_its_energy(plan):
     assert abs(run.energy.end - run.energy.start) <= 200 * 1e-11 * run.energy.largest_stored
 
 
+@pytest.mark.long
 @given(plans(loops=False, free=True, torque=False))
 @examples(12)
 def test_a_free_tree_keeps_the_momentum_of_its_rigid_motion(plan):
@@ -366,6 +368,7 @@ def test_a_shaft_in_two_halves_tends_to_the_whole_one(plan, which):
     assert gaps[1] < 5e-3 and gaps[1] < 0.1 * gaps[0] + NEAR
 
 
+@pytest.mark.long
 @given(st.integers(2, 6), quarters(4, 40), c_or_none)
 @examples(6)
 def test_segments_are_the_chain_that_they_stand_for(count, k, c):

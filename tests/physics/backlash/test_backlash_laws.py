@@ -40,7 +40,7 @@ def _polynomial(x, coefficients):
     ],
     ids=["degree 9", "degree 5 on 3 half gaps", "printed"],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_polynomial_gap_moves_as_derived_by_hand(gap, coefficients, reference, distance):
     rig = _rig(gap, amplitude=2.0)
     run = gb.simulate(rig, t=T, initial={"body.w": 0.5}, **TIGHT)
@@ -79,6 +79,7 @@ def test_a_motion_that_escapes_along_a_polynomial_ends_with_the_component_named(
     assert any("beyond the polynomial" in e.component for e in caught.value.trajectory.events)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("choice", [pytest.param("always", marks=pytest.mark.long), "clipped"])
 def test_a_smooth_gap_tends_to_the_exact_one_as_its_width_shrinks(choice, distance):
     exact = gb.simulate(_rig(gb.Backlash(half_gap=B), choice), t=T, **TIGHT)["body.phi"]
@@ -123,6 +124,7 @@ def test_equal_gaps_of_all_teeth_are_one_backlash(distance):
         assert np.array_equal(many["spline.contact"], one["spline.contact"])
 
 
+@pytest.mark.long
 def test_teeth_with_their_own_gaps_move_as_derived_by_hand(reference, distance):
     drive, coast = (0.05, 0.1, 0.17), (0.02, 0.12, 0.08)
     run = gb.simulate(_rig(gb.Backlash(gaps=drive, coast_gaps=coast)), t=T, **TIGHT)
@@ -166,6 +168,7 @@ def test_the_sample_of_the_reference_rests_where_its_closed_form_says():
         )
 
 
+@pytest.mark.long
 def test_equations_for_people_tell_every_law_of_backlash():
     for gap, words in (
         (gb.Backlash(half_gap=B, law="polynomial", coefficients=(0.1, 0.2)), "phi_body**3"),
@@ -199,6 +202,7 @@ def test_equations_for_people_tell_every_law_of_backlash():
         (gb.Backlash(gaps=(B, B, B), law="smooth", width=1e-3), "always", "needs half_gap"),
     ],
 )  # fmt: skip
+@pytest.mark.few(3)
 def test_a_backlash_that_makes_no_law_is_refused_with_the_reason(gap, choice, words):
     with pytest.raises(gb.ModelError) as caught:
         _rig(gap, choice)
@@ -223,6 +227,7 @@ def test_a_law_of_backlash_survives_the_round_trip_through_a_file(gap, tmp_path)
 
 @pytest.mark.parametrize("method", ["dp8", "dp5", "rodas"])
 @pytest.mark.parametrize("c", [0.3, 0.7, 1.1, 1.5])
+@pytest.mark.few(3)
 def test_a_shaft_without_inertia_creeps_to_the_edge_of_its_gap_and_rests_there(method, c):
     """There both rates of the deflection are 0 to rounding: flips that rounding alone asks for end by themselves."""
     rig = gb.Drivetrain("rest")
@@ -237,6 +242,7 @@ def test_a_shaft_without_inertia_creeps_to_the_edge_of_its_gap_and_rests_there(m
     assert run["lash.twist"] == pytest.approx(creep, abs=1e-9)  # the tolerance
 
 
+@pytest.mark.long
 def test_a_shaft_without_inertia_between_gaps_starts_where_its_contacts_balance():
     """One contact opens as the shaft moves, which lets it on into a third: balance and sides are found together."""
     rig = gb.Drivetrain("three gaps")

@@ -31,7 +31,7 @@ def _clutch(rig: gb.Drivetrain, body: Any) -> None:
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("switches", [0, 3])
 @pytest.mark.parametrize("hold", [_bearing, _brake, _clutch])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_contact_on_its_corner_begins_with_the_motion(hold: Any, switches: int, method: str) -> None:
     rig = gb.Drivetrain("released on a corner")
     first, second = rig.add("first", gb.Inertia(J=FIRST)), rig.add("second", gb.Inertia(J=SECOND))

@@ -34,7 +34,7 @@ def _impacts(run):
 
 @pytest.mark.parametrize("method", ["dp8", "rodas", "auto"])
 @pytest.mark.parametrize(("rtol", "start"), [(1e-3, 3.0), (1e-3, 7.0), (1e-4, 3.0)])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_impacts_that_drag_makes_lower_end_where_the_tolerance_tells_them_no_more(method, rtol, start):
     """v falls as exp(-D t / 3 J) (low flights: 4/3 of v^2/g of drag each), 2 v / g apart; until v = rtol v0."""
     rate, push = DRAG / (3 * J), LOAD / J
@@ -49,11 +49,11 @@ def test_impacts_that_drag_makes_lower_end_where_the_tolerance_tells_them_no_mor
     assert abs(run.energy.residual) < 10 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rtol", "start", "drag", "flanks"),
     [(1e-8, 3.0, DRAG, False), (1e-10, 3.0, DRAG, False), (1e-9, 9.0, DRAG, False), (1e-10, 3.0, DRAG, True)],
 )
-@pytest.mark.few(1)
 def test_impacts_that_are_too_many_end_where_their_energy_is_less_than_the_tolerance(rtol, start, drag, flanks):
     """v = LOAD / (2 rate N J) after N of them. From 1e5 on N rtol v0 may pass as rest, but no more than sqrt(rtol) v0, and
     a height of rtol times the largest angle: w0/a - push/a^2 ln(1 + a w0/push) with a = D/J, or the gap."""
@@ -70,6 +70,7 @@ def test_impacts_that_are_too_many_end_where_their_energy_is_less_than_the_toler
     assert abs(run.energy.residual) < 10 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp8", "rodas"])
 def test_what_rested_so_leaves_its_stop_when_its_load_turns(method):
     """Long after the last impact: from 6 s on, from rest, J w' = -LOAD sin(pi (t - 6 s)/12 s) - DRAG w."""

@@ -47,7 +47,7 @@ def _end(load, dry, restitution):
         (8.0, 0.3, 0.243, "load"),
     ],
 )
-@pytest.mark.few(5)
+@pytest.mark.few(1)
 def test_impacts_against_friction_end_when_the_sum_of_the_flights_does(load, dry, restitution, friction, method):
     end = _end(load, dry, restitution)
     rig = _rig(load, dry, restitution, friction)
@@ -63,7 +63,7 @@ def test_impacts_against_friction_end_when_the_sum_of_the_flights_does(load, dry
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_bounces_die_out_behind_a_spring(method):
     """A body between stops on a shaft, with friction beside; the flights die out within steps of the vibration."""
     rig = gb.Drivetrain("sprung")

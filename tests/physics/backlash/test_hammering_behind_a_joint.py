@@ -37,7 +37,7 @@ def _two_joints(rig: gb.Drivetrain) -> tuple[Any, Any]:
 @pytest.mark.parametrize("link", [_joint, _ellipse, pytest.param(_two_joints, marks=pytest.mark.long)])
 @pytest.mark.parametrize(("method", "rtol"), [("auto", 1e-6), ("dp5", 1e-9), ("dp8", 1e-10), ("rodas", 1e-7)])
 @pytest.mark.parametrize("restitution", [0.05, 0.4])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_it_comes_to_rest(
     link: Callable[[gb.Drivetrain], tuple[Any, Any]], method: str, rtol: float, restitution: float
 ) -> None:

@@ -78,6 +78,7 @@ def test_a_freewheel_that_overruns_is_caught_by_what_comes_back():
     assert [run["one.w"][-1], run["two.w"][-1]] == pytest.approx([common, common], rel=EXACT)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("e", [1.0, 0.4])
 @pytest.mark.parametrize(("m", "M", "ahead", "V"), [(1.0, 1.0, 1e-3, 2.0), (0.3, 2.0, 0.5, 1.5), (4.0, 1.0, 0.2, 3.0)])
 def test_what_an_impact_throws_back_against_its_one_way_lock_is_caught_there(m, M, ahead, V, e):
@@ -100,6 +101,7 @@ def test_what_an_impact_throws_back_against_its_one_way_lock_is_caught_there(m, 
     assert _energy((m, M), [0.0, rebound]) <= _energy((m, M), [ahead, -V])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "rodas"])
 @pytest.mark.parametrize("gap", [1e-15, 3e-14])
 @pytest.mark.parametrize(("J", "w", "wall"), [((1.0, 1.0), (1.0, 2.0), 0.5), ((0.994, 0.4), (0.2, 4.0), 0.3)])
@@ -117,6 +119,7 @@ def test_a_short_flight_to_another_body_is_no_hammering(J, w, wall, gap, method)
     assert [run["one.w"][-1], run["two.w"][-1]] == pytest.approx([-wall * common] * 2, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp8", "rodas"])
 @pytest.mark.parametrize("pull", [1e-10, 1e-4, 0.3])
 @pytest.mark.parametrize(
@@ -129,7 +132,6 @@ def test_a_short_flight_to_another_body_is_no_hammering(J, w, wall, gap, method)
         ((1.0, 5.0), 0.6, 1.0),
     ],
 )
-@pytest.mark.few(8)
 def test_a_body_that_is_pulled_off_its_wall_is_struck_apart_from_it(J, wall, between, pull, method):
     """Torn off by next to nothing or by more: it is driven back onto its wall, and struck again, until nothing is left."""
     V, rest = 2.0, 1.0
@@ -146,6 +148,7 @@ def test_a_body_that_is_pulled_off_its_wall_is_struck_apart_from_it(J, wall, bet
     assert [run["one.w"][-1], run["two.w"][-1]] == pytest.approx(expected, rel=1e-3 * pull, abs=2e-3 * pull + 1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("restitution", [0.3, 0.8])
 def test_a_body_that_another_hammers_against_its_wall_comes_to_rest(restitution):
     """Only the outer body is loaded; the inner one flies between it and the wall without any force of its own."""
@@ -168,6 +171,7 @@ def test_a_body_that_another_hammers_against_its_wall_comes_to_rest(restitution)
 @pytest.mark.parametrize(
     ("J", "load"), [((2.0, 0.1), (140.0, 20.0)), ((1.0, 1.0), (3.0, 1.0)), ((0.3, 0.05), (9.0, 8.0))]
 )
+@pytest.mark.few(3)
 def test_two_stops_without_restitution_that_open_each_other_come_to_rest(J, load, method):
     """The outer body throws the inner one off its wall, which stops it again and lets the outer one fly on: speeds fall
     by J2 / (J1 + J2) a turn or so, in a finite time, and what the loads have done is lost."""

@@ -49,6 +49,7 @@ def test_a_mass_bounces_on_an_elastic_gap(method: str, exponent: float) -> None:
     assert set(np.unique(run["gap.contact"])) == {-1.0, 0.0}
 
 
+@pytest.mark.long
 def test_without_an_exponent_it_is_the_linear_contact_and_both_ends_are_the_gap_of_half_gap() -> None:
     t = np.linspace(0, 1.0, 51)
     one = gb.simulate(_dropped(gb.Lash(k=1e4, c=20.0, lower=0.1)), t=t, rtol=1e-10)
@@ -69,6 +70,7 @@ def test_without_an_exponent_it_is_the_linear_contact_and_both_ends_are_the_gap_
         assert other["right.w"] == pytest.approx(half["right.w"], abs=1e-9)
 
 
+@pytest.mark.long
 def test_four_gaps_in_a_loop_are_met() -> None:
     """Modelica's PreLoad: a spool between two stops, preloaded by discs that its shoulders lift off their seats."""
     k, c, m, spool = 1e5, 100.0, 0.1, 0.5
@@ -128,6 +130,7 @@ def test_a_spring_rests_where_it_is_said() -> None:
     assert "rest = 30 cm" in rig.describe()
 
 
+@pytest.mark.long
 def test_a_gap_goes_and_its_end_stays_as_the_rest_of_the_spring() -> None:
     rig = _dropped(gb.Lash(k=1e4, lower=0.1))
     assert set(rig.effects()) == {"gap.compliance", "gap.backlash"}

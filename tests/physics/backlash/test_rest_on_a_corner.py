@@ -64,7 +64,7 @@ def _rig(rest, ratio, w):
 @pytest.mark.parametrize(
     ("ratio", "w"), [(31 / 23, 1.49), pytest.param(2.0, -0.37, marks=pytest.mark.long), (1.0, 7.3)]
 )
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_what_nothing_reaches_stays_on_its_corner(rest, ratio, w, method):
     meets = 0.002 / (0.1 * round(23 * ratio) / 23 * abs(w))
     rig = _rig(rest, ratio, w)
@@ -88,7 +88,7 @@ def test_the_impact_that_comes_is_that_of_a_body_at_rest(ratio, w, method):
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
 @pytest.mark.parametrize("beside", [False, True])
 @pytest.mark.parametrize("power", [2, pytest.param(3, marks=pytest.mark.long), 4])
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 def test_a_soft_rise_leaves_a_corner_without_an_impact(power, beside, method):
     """J phi'' = -c t^n - k phi from rest on the corner: damping begins once the sides have parted, so there is none."""
     J, k, c, end = 0.1, 1330.0, 50.0, 0.02  # over before the motion turns

@@ -30,6 +30,7 @@ def _leaving(contact):
 
 @pytest.mark.parametrize("e", [0.9999, 0.99, 0.9, 0.5, 0.2])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.few(3)
 def test_a_body_is_thrown_back_with_the_restitution_times_its_speed_again_and_again(e, sign):
     run = gb.simulate(_ball(e), t_end=0.7, initial={"ball.w": sign * W}, **TIGHT)
     left = _leaving(run["wall.contact"])
@@ -183,6 +184,7 @@ def test_an_impact_law_that_cannot_be_is_refused_with_the_reason(fields, words):
     assert words in str(caught.value), str(caught.value)
 
 
+@pytest.mark.long
 def test_an_impact_law_is_a_damping_that_can_be_taken_away_and_survives_a_file(tmp_path):
     rig = _ball()
     assert "wall.damping" in rig.effects()
@@ -198,6 +200,7 @@ def test_an_impact_law_is_a_damping_that_can_be_taken_away_and_survives_a_file(t
     assert run["ball.w"][_leaving(run["lash.contact"])[0]] == pytest.approx(W / 2, rel=1e-8)
 
 
+@pytest.mark.long
 def test_teeth_with_their_own_gaps_take_impacts_too():
     run = gb.simulate(_ball(0.5, gap=gb.Backlash(gaps=(0.1, 0.12, 0.14))), t_end=0.35, **TIGHT)
     # the condition on chi holds for every rising force law: the first contact tells the speed
@@ -223,6 +226,7 @@ def test_a_contact_without_a_gap_takes_its_speed_at_every_change_of_side(phi0):
     assert speeds[0] == pytest.approx(np.sqrt(W**2 + K * phi0**2) if phi0 else 0.5 * W, rel=1e-8)
 
 
+@pytest.mark.long
 def test_a_lash_that_stands_on_its_corner_and_leaves_it_holds_nothing():
     rig = gb.Drivetrain("lash")
     body, lash = (
@@ -244,6 +248,7 @@ def test_a_lash_that_stands_on_its_corner_and_leaves_it_holds_nothing():
         pytest.param(-1.0, 800.0, marks=pytest.mark.long),
     ],
 )
+@pytest.mark.few(1)
 def test_a_contact_that_is_torn_open_never_pulls(pull, sign, reference, distance):
     """From the moment where damping would outweigh the spring the body is free, though it still lies in the contact."""
     e, start = 0.5, B / W  # the moment of contact

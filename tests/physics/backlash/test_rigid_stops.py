@@ -32,6 +32,7 @@ def test_a_bouncing_mass_comes_to_rest_when_the_sum_of_its_flights_ends():
     assert run.energy.residual < EXACT
 
 
+@pytest.mark.long
 def test_a_shaft_between_two_stops_on_the_ground_turns_within_them():
     rig = _chain(body=gb.Inertia(J=0.5, w0=3.0), stop=gb.HardStop(lower=-0.2, upper=0.4, restitution=1.0))
     run = gb.simulate(rig, t=np.linspace(0, 5, 501))
@@ -93,6 +94,7 @@ def _mesh(carrier):
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "rig",
     [
@@ -141,6 +143,7 @@ def test_a_start_beyond_a_stop_is_refused_by_name() -> None:
         gb.simulate(rig, t_end=1.0)
 
 
+@pytest.mark.long
 def test_a_freewheel_passes_the_impact_of_a_stop_on_to_what_drives_it():
     rig = gb.Drivetrain("halt")
     one, two = rig.add("one", gb.Inertia(J=1.0, w0=2.0)), rig.add("two", gb.Inertia(J=3.0, w0=2.0))
@@ -153,6 +156,7 @@ def test_a_freewheel_passes_the_impact_of_a_stop_on_to_what_drives_it():
     assert sum(run.energy.dissipated.values()) == pytest.approx(8.0, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_body_at_its_stop_that_is_pulled_away_leaves_at_once():
     stop = gb.HardStop(lower=0.0, restitution=0.5)
     rig = _chain(drive=gb.Torque(tau=gb.Parameter("tau", 1.0)), body=gb.Inertia(J=2.0), stop=stop)

@@ -67,7 +67,7 @@ def motion(f: float, g: float) -> float:
 
 
 @pytest.mark.parametrize(("side", "slides"), [(1, False), (-1, False), (1, True)])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_body_that_a_stop_lets_go_does_not_stop_in_flight(side, slides):
     model = gb.build(oscillator(side, slides))
     for f, g in ((4.4, 5.3), (4.4, 6.0), (4.64, 5.67)):

@@ -51,6 +51,7 @@ def test_a_converter_at_stall_multiplies_the_torque_and_its_stator_holds_the_res
     assert distance(run["hold.torque"], -run["converter.torque"]) < 1e-14
 
 
+@pytest.mark.long
 def test_a_converter_loses_what_it_does_not_pass_on():
     rig = _chain(
         drive=gb.Torque(tau=200.0), a=gb.Inertia(J=0.2), converter=gb.TorqueConverter(capacity=CAPACITY, ratio=RATIO),
@@ -98,6 +99,7 @@ def test_a_slow_belt_is_a_viscous_coupling(distance):
     assert distance(sliding, 60.0 * np.exp(-c * (1 / 0.1 + ratio**2 / 0.5) * t)) < NEAR
 
 
+@pytest.mark.long
 def test_a_stiff_belt_tends_to_the_rigid_one_and_an_overloaded_one_slides():
     def rig(slip: gb.Creep | None) -> gb.Drivetrain:
         belt = gb.BeltDrive(ratio=2.0, slip=slip)

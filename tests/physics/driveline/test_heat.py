@@ -39,6 +39,7 @@ def test_a_clutch_that_locks_up_heats_its_disc_by_the_energy_of_the_slip_over_it
     assert np.array_equal(run["clutch.temperature"], run["disc.T"])
 
 
+@pytest.mark.long
 def test_the_thermal_column_of_the_ledger_is_printed_and_stored(tmp_path):
     rig = _lock_up(0.4, heat=gb.HeatPort(T="disc"), disc=gb.ThermalMass(C=50.0))
     rig.add("air", gb.ThermalConductance(G=100.0, a=T0, b="disc"))
@@ -79,6 +80,7 @@ def test_a_bearing_settles_at_the_temperature_at_which_air_takes_what_it_loses()
     assert run.energy.heat_residual < 1e-8
 
 
+@pytest.mark.long
 def test_a_small_rise_above_the_surroundings_is_not_lost_in_rounding():
     def warmed(T):
         rig = gb.Drivetrain("warming up")
@@ -179,6 +181,7 @@ def test_impacts_heat_a_stop_by_what_the_body_loses():
     assert run.energy.heat_residual < 1e-12
 
 
+@pytest.mark.long
 def test_teeth_that_close_on_a_speed_difference_are_heated_by_the_impact():
     rig = gb.Drivetrain("dogs")
     one, two = rig.add("one", gb.Inertia(J=0.2, w0=30.0)), rig.add("two", gb.Inertia(J=0.3))
@@ -190,6 +193,7 @@ def test_teeth_that_close_on_a_speed_difference_are_heated_by_the_impact():
     assert run["teeth.T"][0] == T0
 
 
+@pytest.mark.long
 def test_a_lossy_gear_heats_its_oil_by_what_does_not_leave_it():
     def loaded(T):
         rig = gb.Drivetrain("reduction")
@@ -214,6 +218,7 @@ def test_a_lossy_gear_heats_its_oil_by_what_does_not_leave_it():
 # -- absent, nested, of users, packed -----------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_without_a_heat_port_there_is_no_trace_of_it():
     hot = _lock_up(0.4, heat=gb.HeatPort(T="disc"), disc=gb.ThermalMass(C=50.0))
     plain, cold = _lock_up(0.4), hot.without("clutch.heat")

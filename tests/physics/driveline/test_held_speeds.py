@@ -51,7 +51,7 @@ def _condition() -> tuple[gb.Drivetrain, Any, Any]:
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("train", [_load, pytest.param(_car, marks=pytest.mark.long), _condition])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_forces_beside_a_held_speed_are_no_reversal(
     train: Callable[[], tuple[gb.Drivetrain, Any, Any]], method: str
 ) -> None:
@@ -74,6 +74,7 @@ def _swinging(rig: gb.Drivetrain, name: str) -> Any:
     return shaft.a
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("train", [_load, pytest.param(_car, marks=pytest.mark.long), _condition])
 def test_no_event_is_lost_beside_the_noise_of_a_held_speed(train: Callable[[], tuple[gb.Drivetrain, Any, Any]]) -> None:
     """A brake on a free body lets go whenever its capacity falls to zero, at t = pi/rate, 3 pi/rate, ..."""

@@ -167,6 +167,7 @@ def test_a_cubic_table_of_a_spring_passes_through_its_points(distance, reference
     ("n", "c"),
     [(2, 0.0), *(pytest.param(*case, marks=pytest.mark.long) for case in ((4, 0.0), (8, 0.0), (2, 0.4))), (8, 0.4)],
 )
+@pytest.mark.few(1)
 def test_segments_swing_at_the_frequency_of_a_chain_of_lumps(n, c, distance):
     k, J = 500.0, 0.2
     rig = gb.Drivetrain("free shaft")

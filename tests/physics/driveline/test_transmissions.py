@@ -88,6 +88,7 @@ def test_nothing_is_lost_from_the_ledger(driving, start):
     assert start.energy.residual < 1e-7
 
 
+@pytest.mark.long
 def test_default_tolerance_is_enough_for_the_whole_drive(driving):
     t = np.linspace(0.0, 60.0, 601)
     plain, exact = (gb.simulate(gearbox.build(), t=t, rtol=rtol) for rtol in (1e-6, 1e-10))
@@ -143,6 +144,7 @@ def road():
     return [gb.simulate(make(), t=t, rtol=1e-9) for make in (axle.build, axle.unlocked)]
 
 
+@pytest.mark.long
 def test_on_dry_road_both_wheels_turn_as_one(road):
     locked, _ = road
     dry = locked.t < 2.0

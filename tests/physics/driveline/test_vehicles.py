@@ -163,6 +163,7 @@ def test_rolling_resistance_that_jumps_along_the_way_brakes_by_two_parabolas():
     assert run.energy.dissipated["car"] == pytest.approx(m / 2 * v0**2, rel=1e-10)
 
 
+@pytest.mark.long
 def test_wheels_of_the_vehicle_are_inertias_on_its_shaft():
     kw = {"mass": 1200.0, "wheel_radius": 0.3, "drag_area": 0.7, "rolling": 0.012}
     inside = _chain(drive=gb.Torque(tau=300.0), car=gb.Vehicle(wheel_inertia=4.0, **kw))
@@ -175,6 +176,7 @@ def test_wheels_of_the_vehicle_are_inertias_on_its_shaft():
 # -- a chassis with its wheels --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_chassis_on_a_wheel_that_rolls_is_the_vehicle():
     road = {"mass": 1200.0, "drag_area": 0.7, "rolling": 0.012, "wind": -5.0, "grade": 0.02 * gb.sin(gb.distance / 50)}
     car = _chain(drive=gb.Torque(tau=300.0), wheels=gb.Inertia(J=4.0), car=gb.Vehicle(wheel_radius=0.3, **road))
@@ -188,6 +190,7 @@ def test_a_chassis_on_a_wheel_that_rolls_is_the_vehicle():
     assert two.energy.residual < 1e-11
 
 
+@pytest.mark.long
 def test_two_driven_axles_pull_as_one_of_twice_the_stiffness():
     m, r, g = 1200.0, 0.3, 9.80665
     tyre = gb.TyreSlip(stiffness=5e4, grip=0.9, low_speed=0.5)
@@ -219,6 +222,7 @@ def test_an_axle_without_grip_spins_while_the_other_pulls():
     assert run.energy.residual < 1e-7
 
 
+@pytest.mark.long
 def test_a_trailer_is_pulled_by_its_share_of_the_force():
     rig = gb.Drivetrain("with a trailer")
     car, trailer = rig.add("car", gb.Chassis(mass=1500.0)), rig.add("trailer", gb.Chassis(mass=500.0, rolling=0.01))

@@ -90,6 +90,7 @@ def test_a_load_with_a_dry_part_holds_the_shaft_up_to_it():
     assert run["body.w"][2] == pytest.approx(0.1 / 0.2 * (1 - np.exp(-0.2 / 0.5)), rel=1e-9)
 
 
+@pytest.mark.long
 def test_rolling_resistance_holds_a_vehicle_on_a_gentle_slope():
     grade, m, r, rolling = gb.Parameter("grade", 0.0), 1200.0, 0.3, 0.02
     rig = _chain(

@@ -62,6 +62,7 @@ def test_a_stuck_clutch_holds_what_friction_at_rest_says_not_that_of_a_slip():
 # -- one event after another ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @EVERY_METHOD
 def test_a_swinging_torque_breaks_a_body_away_until_it_has_given_its_speed_back(options):
     rig = _chain(drive=gb.Torque(tau=5.0 * gb.sin(gb.time)), body=gb.Inertia(J=1.0), brake=gb.Brake(capacity=3.0))
@@ -84,6 +85,7 @@ def test_a_body_pushed_back_through_rest_goes_on_through_what_happens_later():
 # -- what comes at once -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("load", "capacity", "way"),
     [
@@ -103,6 +105,7 @@ def test_where_load_and_capacity_rise_from_nothing_together_the_stronger_wins(wa
     assert run["brake.mode"][-1] == (way if load > capacity else 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("w0", [10.0, 0.0])
 def test_a_clutch_whose_capacity_comes_down_to_nothing_is_free_until_it_rises_again(w0):
     capacity = gb.Table([0, 1, 2, 3], [6.0, 0.0, 0.0, 6.0])
@@ -119,6 +122,7 @@ def test_a_clutch_whose_capacity_comes_down_to_nothing_is_free_until_it_rises_ag
     assert _modes(run, "clutch")[-2:] == [(1.0, 2.0), (2.0, -1.0)]
 
 
+@pytest.mark.long
 def test_without_location_what_meets_its_speed_sticks_at_the_end_of_the_step():
     rig = _chain(one=gb.Inertia(J=1.0, w0=10.0), clutch=gb.Clutch(capacity=5.0), two=gb.Inertia(J=1.0))
     run = gb.simulate(rig, t_end=3.0, method="rk4", step=1e-3, locate=False)
@@ -129,6 +133,7 @@ def test_without_location_what_meets_its_speed_sticks_at_the_end_of_the_step():
 
 
 @pytest.mark.parametrize("block", [gb.Clutch(capacity=gb.time - 0.2), gb.Clutch(capacity=gb.sin(gb.time - 0.2))])
+@pytest.mark.few(1)
 def test_a_clutch_whose_capacity_rises_from_below_zero_takes_hold(block):
     rig = gb.Drivetrain("train")
     one, two = rig.add("one", gb.Inertia(J=1.0, w0=1.0)), rig.add("two", gb.Inertia(J=1.0))

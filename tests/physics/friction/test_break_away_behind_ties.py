@@ -35,7 +35,7 @@ def _rig(tie: Any, hold: Any, w0: float) -> gb.Drivetrain:
     return rig
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("hold", HOLDS)
 @pytest.mark.parametrize("tie", ["ellipse", *(pytest.param(n, marks=pytest.mark.long) for n in ("joint", "gear"))])

@@ -38,7 +38,7 @@ def _rig(torque, coupling, beside, load=0.0):
 @pytest.mark.parametrize("beside", ["freewheel", "brake", "nothing"])
 @pytest.mark.parametrize("coupling", [gb.OneWayClutch, gb.Clutch])
 @pytest.mark.parametrize("torque", [0.481, -0.481, 0.9])
-@pytest.mark.few(6)
+@pytest.mark.few(1)
 def test_what_nothing_loads_is_let_go_at_the_end_and_stays(torque, coupling, beside, method):
     """J w' = torque - k phi beside what is held; rounding of its force is less than any capacity but none."""
     run = gb.simulate(_rig(torque, coupling, beside), t=np.linspace(0.0, 1.0, 41), method=method, rtol=1e-8)
@@ -50,6 +50,7 @@ def test_what_nothing_loads_is_let_go_at_the_end_and_stays(torque, coupling, bes
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("load", [1e-6, 1e-3, 2.0])
+@pytest.mark.few(3)
 def test_what_a_load_pulls_at_is_let_go_when_the_capacity_is_the_load(load, method):
     """t = END - (END - FROM) load / CAPACITY, and from there J w' = load - capacity."""
     run = gb.simulate(_rig(0.481, gb.Clutch, "freewheel", load), t=[0.0, END, 0.8], method=method, rtol=1e-8)
@@ -71,6 +72,7 @@ PULSES = {
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("joint", ["clutch", "brake", "one-way"])
 @pytest.mark.parametrize("capacity", PULSES)
+@pytest.mark.few(3)
 def test_a_capacity_that_touches_zero_moves_nothing_that_rests(capacity, joint, method):
     """Below zero by rounding where its corner was located, it drove what it joins at 1e-15 N m, and came back for ever."""
     rig = gb.Drivetrain("touches")

@@ -28,7 +28,7 @@ def _held(pressed: bool, loaded: bool) -> gb.Model:
 
 @pytest.mark.parametrize("pressed", [True, False])
 @pytest.mark.parametrize("loaded", [True, False])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_an_unbounded_capacity_holds_like_a_lock(pressed: bool, loaded: bool) -> None:
     run = gb.simulate(_held(pressed, loaded), t_end=1.0, rtol=1e-8)
     t = np.asarray(run.t)

@@ -94,6 +94,7 @@ def test_a_clutch_without_capacity_is_no_storm_of_events():
     assert (run["clutch.mode"] == 2.0).all()
 
 
+@pytest.mark.long
 def test_a_capacity_that_grazes_the_held_torque_does_not_let_go():
     capacity = 6 - sp.cos(2 * sp.pi * gb.time) * (1 - 1e-9)  # at least 5 + 1e-9
     rig = _chain(drive=gb.Torque(tau=5.0), body=gb.Inertia(J=1.0), brake=gb.Brake(capacity=capacity))

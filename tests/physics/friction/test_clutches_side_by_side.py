@@ -41,6 +41,7 @@ COMING = {
 }
 
 
+@pytest.mark.long
 @METHODS
 @pytest.mark.parametrize(
     "name", ["pulses", *(pytest.param(x, marks=pytest.mark.long) for x in COMING if x != "pulses")]

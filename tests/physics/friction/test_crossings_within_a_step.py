@@ -33,7 +33,7 @@ def test_a_body_that_would_turn_back_for_a_moment_sticks_in_that_moment(depth):
 
 @pytest.mark.parametrize("depth", [1e-2, pytest.param(1e-4, marks=pytest.mark.long), 1e-6])
 @pytest.mark.parametrize("end", [1.9, 2.3])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_brake_whose_hold_falls_below_the_load_for_a_moment_lets_go_in_that_moment(depth, end):
     """It holds 5 - depth + (t - 1)^2, and slides with 4/5 of that: the load of 5 takes the body along for good."""
     hold = 5.0 - depth + (gb.time - 1) ** 2

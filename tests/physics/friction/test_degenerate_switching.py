@@ -48,6 +48,7 @@ def shaft(tau: Any, *, w0: float = 0.0, **parts: Block) -> gb.Drivetrain:
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", METHODS)
 def test_a_stop_from_which_the_load_turns_away_tangentially_opens_once(how: dict[str, Any]) -> None:
     """At pi/2 the force, and with it the gap and its first two rates, pass zero together."""
@@ -68,6 +69,7 @@ def test_a_capacity_that_dips_to_the_held_torque_is_survived(how: dict[str, Any]
     assert abs(run["A.phi"][-1]) < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", METHODS)
 def test_a_shaft_of_prescribed_speed_supplies_the_work_of_the_impacts_on_it(how: dict[str, Any]) -> None:
     """A ball of 2 kg m2 at -3 rad/s meets a wall that moves on at 1 rad/s, by a plastic impact at t = 1/4 s."""

@@ -122,7 +122,7 @@ def test_a_clutch_between_two_shafts_without_inertia_is_the_limit_of_two_inertia
 # -- springs that friction alone loads --------------------------------------------------------------------------------
 
 
-@pytest.mark.few(2)
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_an_undamped_spring_keeps_the_twist_of_its_friction(method: str) -> None:
     """By hand: k z = F while it slides, so z stays; stuck, z' = w_other - w_one (the play operator)."""
@@ -144,6 +144,7 @@ def test_an_undamped_spring_keeps_the_twist_of_its_friction(method: str) -> None
     assert np.abs(run["one.w"] - hand.y[0]).max() < 1e-4 * np.abs(run["one.w"]).max()
 
 
+@pytest.mark.long
 def test_an_undamped_spring_whose_friction_jumps_is_refused_by_name() -> None:
     for element in (
         gb.Clutch(capacity=15.0, peak=1.3),
@@ -177,6 +178,7 @@ def _row(*elements: gb.Block, J: float | None = None) -> gb.Drivetrain:
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("capacities", [(15.0, 20.0), pytest.param((20.0, 12.0, 30.0), marks=pytest.mark.long)])
 def test_of_clutches_in_a_row_the_weakest_slips(capacities: tuple[float, ...]) -> None:
     clutches = [gb.Clutch(capacity=x) for x in capacities]
@@ -193,6 +195,7 @@ def test_of_clutches_in_a_row_the_weakest_slips(capacities: tuple[float, ...]) -
     assert np.abs(run["one.w"] - (2 * limit[1] - limit[0])).max() < 1e-6 * np.abs(run["one.w"]).max()
 
 
+@pytest.mark.long
 def test_a_clutch_and_a_brake_on_a_shaft_without_inertia_are_in_a_row_too() -> None:
     rig = gb.Drivetrain("clutch and brake")
     one, clutch = rig.add("one", gb.Inertia(J=0.3, w0=10.0)), rig.add("clutch", gb.Clutch(capacity=3.0))
@@ -241,6 +244,7 @@ def _star(seed: int, arms: int, *, gaps: bool) -> tuple[gb.Drivetrain, np.ndarra
     return rig, -np.clip(c * w, -share, share)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gaps", [False, True])
 @pytest.mark.parametrize(
     ("seed", "arms"), [(0, 1), (2, 4), *(pytest.param(s, 5, marks=pytest.mark.long) for s in range(6))]
@@ -253,6 +257,7 @@ def test_friction_whose_capacity_is_a_table_over_time_starts_stuck_or_sliding(se
 
 @pytest.mark.parametrize("w", [-6.0, -2.0, 2.0, 6.0])
 @pytest.mark.parametrize("nested", [False, True])
+@pytest.mark.few(1)
 def test_friction_whose_capacity_hangs_on_conditions_starts_stuck_or_sliding(w: float, nested: bool) -> None:
     """Conditions that are found first put off by a round which direction of the friction is decided."""
     capacity = gb.piecewise((0.8, gb.sense("hub.w") > -50.0), (0.1, True)) if nested else 0.8

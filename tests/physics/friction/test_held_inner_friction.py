@@ -62,7 +62,7 @@ def _held(ratio: float | None, end: float) -> np.ndarray:
 
 @pytest.mark.parametrize("method", ["dp8", "rodas"])
 @pytest.mark.parametrize("ratio", [0.5, 2.5, None])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_what_a_clutch_holds_moves_as_one(ratio: float | None, method: str) -> None:
     rtol = 1e-7
     run = gb.simulate(_train(ratio, 200.0), t_end=END, method=method, rtol=rtol)
@@ -72,8 +72,8 @@ def test_what_a_clutch_holds_moves_as_one(ratio: float | None, method: str) -> N
     assert run.energy.dissipated["shaft"] < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ratio", [0.5, 2.5, None])
-@pytest.mark.few(2)
 def test_it_slips_from_the_instant_at_which_the_clutch_lets_go(ratio: float | None) -> None:
     """A clutch that opens at once: the shaft holds what its springs and its slider are wound by from there on."""
     opens, rtol = 0.25, 1e-8

@@ -52,7 +52,7 @@ HELD = {
 }  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("train", HELD)
 def test_what_is_held_stays_and_costs_no_steps(train: str, method: str) -> None:
@@ -66,6 +66,7 @@ def test_what_is_held_stays_and_costs_no_steps(train: str, method: str) -> None:
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("slope", [3.09, 40.0, 1000.0])
+@pytest.mark.few(1)
 def test_a_brake_lets_go_when_the_ramp_reaches_it(slope: float, method: str) -> None:
     capacity, rtol = 1.13, 1e-7
     train = _on_the_shaft(slope * gb.time, gb.Brake(capacity=capacity), gb.Shaft(k=58.0, c=0.2))

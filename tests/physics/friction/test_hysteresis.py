@@ -21,7 +21,7 @@ def _driven(hysteresis, x, speed=1.0):
 
 @pytest.mark.parametrize("speed", [0.1, 1.0, 50.0])
 @pytest.mark.parametrize(("friction", "stiffness"), [(2.0, 50.0), (1.0, 400.0), (0.3, 20.0)])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_loop_loses_four_frictions_times_its_slip_at_any_speed(friction, stiffness, speed):
     x = 0.1
     rig = _driven(gb.Hysteresis(friction=friction, stiffness=stiffness), x, speed)

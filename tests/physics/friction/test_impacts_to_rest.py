@@ -57,6 +57,7 @@ def behind_a_planetary_set() -> gb.Drivetrain:
 @pytest.mark.parametrize(
     "train", [pytest.param(behind_a_dog_clutch, marks=pytest.mark.long), behind_a_freewheel, behind_a_planetary_set]
 )
+@pytest.mark.few(1)
 def test_all_bodies_rest_at_the_stop(train: object) -> None:
     model, random = gb.build(train()), Random(1)  # type: ignore[operator]
     for _ in range(60):

@@ -32,7 +32,7 @@ W = gb.sense("j.w")
         (gb.piecewise((4 + gb.time, gb.time + W < 2), (-4, True)), 0.0, -5.0 + 29.0**0.5, lambda t: 2.0 - t),
     ],
 )
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_torque_of_two_levels_holds_its_limit(torque, w0, at, limit, method):
     run = gb.simulate(_pushed(torque, w0), t_end=4.0, method=method)
     assert [e.after for e in run.events] == [0.5]
@@ -48,7 +48,7 @@ def test_a_jump_with_a_width_holds_the_speed(method):
 
 @pytest.mark.parametrize("method", ["auto", pytest.param("dp5", marks=pytest.mark.long), "dp8", "rodas"])
 @pytest.mark.parametrize("torque", [0.0, pytest.param(20.0, marks=pytest.mark.long), -20.0])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_car_on_slipping_tyres_is_held_by_rolling_resistance(torque, method):
     run = gb.simulate(_car(torque), t_end=1.0, method=method)
     assert abs(run["car.v"][-1]) < 1e-15

@@ -58,6 +58,7 @@ def test_a_law_of_the_slip_stops_a_rotor_where_quadratures_say(name: str, method
         assert run.energy.residual < 1e-9
 
 
+@pytest.mark.long
 def test_the_peak_stands_above_the_law_at_rest() -> None:
     """Static peak and Stribeck in one: breaks away at peak times the law at slip 0, either way."""
     law = 1.0 + 0.8 * gb.exp(-0.3 * gb.slip)
@@ -109,6 +110,7 @@ def test_laws_that_drive_or_have_no_value_are_named(tmp_path: Path) -> None:
     assert "^1.5" in str(rig.equations()) and set(rig.effects()) == {"part.friction"}
 
 
+@pytest.mark.long
 def test_a_table_goes_on_as_its_last_line_does() -> None:
     """Modelica's LastTwoPoints: [0, 0.5; 1, 1] at 10 rad/s is 5.5, not 1."""
     on, held = (gb.Table([0.0, 1.0], [0.5, 1.0], extrapolate=way) for way in ("linear", "hold"))
@@ -149,6 +151,7 @@ def test_what_cannot_go_on_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("direction", ["along", "forward", "backward"])
+@pytest.mark.few(1)
 def test_torques_of_speed_that_drive_or_keep_their_sign(direction: str) -> None:
     """Against hand-written equations, from either sense of rotation, and with the reaction on a turning housing."""
 
@@ -174,6 +177,7 @@ def test_torques_of_speed_that_drive_or_keep_their_sign(direction: str) -> None:
         gb.Drivetrain("wrong").add("load", gb.SpeedLoad(coeffs=(0, 0, 0), direction="up"))
 
 
+@pytest.mark.long
 def test_a_load_against_a_turning_housing_opposes_the_difference() -> None:
     rig = gb.Drivetrain("wind")
     load = rig.add("load", gb.SpeedLoad(coeffs=(0.0, 0.5, 0.0)))
@@ -186,6 +190,7 @@ def test_a_load_against_a_turning_housing_opposes_the_difference() -> None:
     assert (gb.simulate(held, t=t)["rotor.w"] == 4.0).all()
 
 
+@pytest.mark.long
 def test_an_eddy_current_brake_slows_a_sledge() -> None:
     """m v' = -2 F v v_n/(v^2 + v_n^2): v^2/2 + v_n^2 ln v falls at the rate 2 F v_n/m."""
     rig = gb.Drivetrain("sledge")

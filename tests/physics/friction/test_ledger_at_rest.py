@@ -46,7 +46,7 @@ HELD = [_differential, _behind_a_lossy_gear, _brake_and_clutch]
 @pytest.mark.parametrize(("method", "rtol"), [("dp5", 1e-8), ("dp8", 1e-6), ("rodas", 1e-6), ("auto", 1e-4)])
 @pytest.mark.parametrize("tau", [0.2, 0.226 * gb.sin(6.27 * gb.time)])
 @pytest.mark.parametrize("train", HELD)
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_the_ledger_of_a_train_at_rest_closes(train, tau, method, rtol):
     """Nothing moves, whatever the load; no run that asks for a residual is refused for what rounding leaves."""
     rig = gb.Drivetrain("held")
@@ -67,7 +67,7 @@ def test_what_moves_is_held_to_its_balance_however_slow(load):
     assert run.energy.residual < 1e-5
 
 
-@pytest.mark.few(2)
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
 @pytest.mark.parametrize("capacity", [0.861, 40.0])
 def test_a_brake_that_comes_and_goes_beside_what_nothing_loads_leaves_rounding(capacity, method):

@@ -53,6 +53,7 @@ def _let_go():
 @pytest.mark.parametrize("hold", ["stribeck", "coulomb", "brake"])
 @pytest.mark.parametrize("load", [True, False], ids=["load", "no load"])
 @pytest.mark.parametrize("joint", ["clutch", "synchronizer"])
+@pytest.mark.few(1)
 def test_it_lets_go_once_however_accurate_the_run(joint, load, hold):
     model = gb.build(_rig(joint, load, hold))
     ends = []

@@ -62,6 +62,7 @@ def test_a_one_way_clutch_lets_b_ahead_beyond_its_break_away_torque(engagement):
     assert run["one.w"][0] == pytest.approx(t**2 / 4 + drag * (10 - t), rel=1e-8)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("peak", [1.0, 1.6])
 def test_a_one_way_clutch_of_a_given_capacity_lets_b_ahead_beyond_its_peak(peak):
     rig = _chain(
@@ -76,6 +77,7 @@ def test_a_one_way_clutch_of_a_given_capacity_lets_b_ahead_beyond_its_peak(peak)
     assert run["one.w"][0] == pytest.approx(t**2 / 4 + 2.0 * (10 - t), rel=1e-8)
 
 
+@pytest.mark.long
 def test_a_one_way_clutch_with_a_capacity_and_none_breaks_away_at_zero():
     rig = _chain(
         one=gb.Inertia(J=1.0), clutch=gb.OneWayClutch(capacity=gb.piecewise((0.0, gb.time < 1), (2.0, True))),

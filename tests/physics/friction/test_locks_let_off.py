@@ -81,7 +81,7 @@ def _parted(kind, J, w0, ratio, efficiency):
     ],
 )
 @pytest.mark.parametrize("kind", ["clipped_force", "clipped"])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_what_a_contact_held_goes_on_as_it_is_once_it_parts(kind, J, w0, ratio, efficiency, lock, method):
     at, speeds, flight = _parted(kind, J, w0, ratio, efficiency)
     t = at + 0.5 * flight

@@ -42,7 +42,7 @@ def _share(g1: float, g2: float, g3: float) -> tuple[float, float]:
 @pytest.mark.parametrize(
     "rise", [pytest.param(name, marks=[pytest.mark.long] * (name == "linear")) for name in sorted(RISES)]
 )
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_gears_beside_a_friction_that_is_loaded(rise: str, gears: str, method: str) -> None:
     """All rests until the torque is what the friction holds; its excess moves all three, in closed form."""
     torque, impulse, breaks = RISES[rise]

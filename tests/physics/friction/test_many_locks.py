@@ -46,6 +46,7 @@ def test_a_weak_clutch_in_the_middle_parts_a_row_of_two_hundred():
     assert run["b100.w"][-1] == run["b200.w"][-1] == pytest.approx(5.0 / 101, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_rising_torque_breaks_the_first_of_two_hundred_equal_clutches_when_its_share_is_due():
     """tau = 50 t passes 200/201 of itself to c0, which holds 10."""
     run = gb.simulate(_row(200, 50.0 * gb.time, 10.0), t=[0.0, 1.0], rtol=1e-8)
@@ -88,6 +89,7 @@ def test_a_hundred_and_thirty_brakes_on_one_shaft_share_what_they_hold():
     assert [run[f"brake{i}.torque"][-1] for i in (0, 64, 129)] == pytest.approx([0.5] * 3, rel=1e-4)  # of rank 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp8", "rodas"])
 def test_locks_behind_gears_are_as_exact_as_ties(method):
     """Speeds in the ratio 3 : 1 : 2, all clutches stuck: one body with the inertias 1, 1/9, 4/9 seen from the first."""
@@ -131,6 +133,7 @@ def test_six_hundred_freewheels_that_nothing_loads_yet_are_looked_at_together(se
     assert run.stats.cpu_seconds < 1.0
 
 
+@pytest.mark.long
 def test_a_lasting_set_of_locks_moves_as_the_rigid_train_and_still_lets_go():
     """Six bodies, one spring, four locks: as with rigid shafts; a load that grows later breaks the weakest of them."""
 
@@ -177,6 +180,7 @@ def _six(lock):
     ],
     ids=["clutches", "dog clutches", "static peaks"],
 )
+@pytest.mark.few(1)
 def test_locks_that_last_take_the_steps_of_rigid_shafts(lock, method):
     """One look out of rest tells the fastest rate of a train that begins with locks no better than that of another one."""
     locked, rigid = (gb.simulate(_six(x), t_end=2.0, method=method) for x in (lock, lambda: gb.Shaft(rigid=True)))

@@ -39,7 +39,7 @@ def slides_from(excess, capacity, tau, guess, end):
     ("at", "sharp", "load"),
     [(0.3552, 160.5, 0.37), pytest.param(0.5671, 45.8, 0.2, marks=pytest.mark.long), (0.8123, 900.0, 0.05)],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_short_dip_of_the_capacity_lets_the_shaft_go(method, at, sharp, load):
     t = sp.sympify(gb.time)
     model = braked(1.5 - 1.49 * sp.exp(-((sharp * (t - at)) ** 2)), load)
@@ -55,6 +55,7 @@ def test_a_short_dip_of_the_capacity_lets_the_shaft_go(method, at, sharp, load):
         assert abs(run["m.phi"][-1] - angle) < 10 * rtol * angle
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_a_short_pulse_of_the_load_lets_the_shaft_go(method):
     t = sp.sympify(gb.time)
@@ -78,8 +79,8 @@ def test_a_short_pull_backwards_lets_the_shaft_go(method):
     assert abs(run["m.phi"][-1] + angle) < 1e-5 * angle
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.few(2)
 def test_a_capacity_over_the_angle_of_another_shaft_lets_go_in_every_period(method):
     phi = gb.sense("cam.phi")
     cam = [("free", gb.Torque(tau=gb.Parameter("none", 0.0))), ("cam", gb.Inertia(J=1.0, w0=20.0))]
@@ -93,6 +94,7 @@ def test_a_capacity_over_the_angle_of_another_shaft_lets_go_in_every_period(meth
         assert np.allclose(away, expected, rtol=0, atol=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_a_capacity_that_dips_below_the_load_just_before_both_vanish_is_seen(method):
     # the load passes 0 at 0.5; the capacity touches its least value a little before, below the load

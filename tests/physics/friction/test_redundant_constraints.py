@@ -92,6 +92,7 @@ def test_clutches_of_gears_that_close_a_loop_hold_as_two_of_them_do():
         assert run[f"body{i}.w"][-1] == pytest.approx(alpha * ratio, rel=EXACT)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", [1.0, pytest.param(-1.0, marks=pytest.mark.long)])
 def test_of_three_brakes_on_a_planetary_the_weak_ones_slide_and_the_strong_one_holds(way):
     rig = gb.Drivetrain("three brakes")
@@ -107,6 +108,7 @@ def test_of_three_brakes_on_a_planetary_the_weak_ones_slide_and_the_strong_one_h
     assert run["sun.w"][-1] == pytest.approx(way * 0.5 / (0.1 + 0.8 / 4), rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", pytest.param("dp8", marks=pytest.mark.long), "rodas"])
 @pytest.mark.parametrize(
     ("amplitude", "eta"),

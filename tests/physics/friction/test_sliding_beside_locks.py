@@ -36,7 +36,7 @@ def _driven_through(lock, sense, w0, order=1):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("lock", "sense"), [(lock, sense) for lock in LOCKS for sense in (1.0, -1.0)])
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 def test_a_lock_passes_on_what_holds_the_jump(lock, sense, method):
     t = np.array([0.0, 1.0, 3.0, 4.5, 6.0, 7.0])
     run = gb.simulate(_driven_through(lock, sense, 2.0, int(sense)), t=t, method=method, rtol=1e-9)
@@ -52,6 +52,7 @@ def test_a_lock_passes_on_what_holds_the_jump(lock, sense, method):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("w0", [1.5, 2.25])
+@pytest.mark.few(3)
 def test_the_jump_is_met_from_either_side_while_the_lock_holds(w0, method):
     run = gb.simulate(_driven_through("clutch", 1.0, w0), t=[4.0], method=method, rtol=1e-9)
     # 4 w' = 4.5 + t/10 - 4 from below, - 5 from above
@@ -63,6 +64,7 @@ def test_the_jump_is_met_from_either_side_while_the_lock_holds(w0, method):
     assert run["lock.torque"][-1] == pytest.approx(4.9, rel=1e-8)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ratio", [2.0, 1.7])
 def test_the_brake_of_a_planetary_set_holds_its_part_of_the_mean(ratio):
     rig = gb.Drivetrain("two speeds")
@@ -82,6 +84,7 @@ def test_the_brake_of_a_planetary_set_holds_its_part_of_the_mean(ratio):
     assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_a_lock_is_never_held_beyond_its_capacity(method):
     """It holds until the mean asks for 4.925 N m, though the upper side would from 4 s on; then it slips, and what it passes
@@ -97,9 +100,9 @@ def test_a_lock_is_never_held_beyond_its_capacity(method):
     assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sense", [1.0, -1.0])
-@pytest.mark.few(2)
 def test_a_freewheel_that_one_side_presses_and_the_other_opens_carries_nothing(sense, method):
     """The load is on the body with the friction; the one behind the freewheel goes with it until the load is above both."""
     rig = gb.Drivetrain("dragged")

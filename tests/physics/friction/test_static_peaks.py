@@ -46,6 +46,7 @@ def test_a_clutch_that_breaks_loose_leaves_the_bearing_behind_it_at_rest(method,
         (9.0, (1.5, 1.2), (-1.0, 0.0)),  # far beyond both: the clutch then carries as much as the bearing holds
     ],
 )
+@pytest.mark.few(3)
 def test_of_two_peaks_in_a_row_the_weaker_one_breaks(method, load, peaks, modes):
     """From rest; clutch and bearing carry 2 N m each while they slide."""
     run = gb.simulate(_pair(load, 2.0, peaks[0], 2.0, bearing_peak=peaks[1]), t=[0.0, 1.0], method=method)
@@ -96,6 +97,7 @@ def _accelerations(J, tau, rows, sliding, peaks):
     return found
 
 
+@pytest.mark.long
 def test_what_breaks_at_rest_is_what_an_enumeration_of_all_sets_allows():
     """Three shafts in a row with two clutches and a bearing in the middle; 150 draws."""
     names = ("one", "two", "three")

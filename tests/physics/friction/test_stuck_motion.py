@@ -46,6 +46,7 @@ def test_a_clutch_stuck_to_a_shaft_of_prescribed_speed_has_no_slip_and_does_not_
     assert len(set(sampled["clutch.phi_rel"])) == 1
 
 
+@pytest.mark.long
 def test_implicit_steps_carry_a_prescribed_speed_through_a_stuck_clutch_to_their_order():
     rig = _chain(
         drive=gb.Speed(w=2.0 + gb.sin(3 * gb.time)), one=gb.Inertia(J=1.0), clutch=gb.Clutch(capacity=99.0),
@@ -62,6 +63,7 @@ def test_implicit_steps_carry_a_prescribed_speed_through_a_stuck_clutch_to_their
 
 
 @EVERY_METHOD
+@pytest.mark.few(3)
 def test_bodies_that_springs_pull_apart_stay_together_to_the_last_bit_while_stuck(options):
     def rig(**middle):
         return _chain(
@@ -137,6 +139,7 @@ def _in_step():
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_clutch_pressed_where_speeds_differ_by_rounding_sticks_at_once():
     run = gb.simulate(_in_step(), t_end=3.0)
     assert _modes(run, "clutch") == [(1.0, 0.0)]
@@ -179,6 +182,7 @@ def test_friction_that_differs_forward_and_backward_breaks_away_and_slides_as_it
     assert run["body.w"][-1] == pytest.approx(way * ((36 - most**2) / 2 - slides * (6 - most)), rel=1e-9)
 
 
+@pytest.mark.long
 def test_what_is_stuck_behind_gears_of_a_varying_ratio_turns_with_them():
     rig = gb.Drivetrain("pair")
     pair = rig.add("pair", gb.NonCircularGear(law=gb.RatioLaw.ellipse(0.3), external=True, k=None))

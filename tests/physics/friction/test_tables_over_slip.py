@@ -48,7 +48,7 @@ def _half_swings(t, level=1.0, rise=0.1, k=100.0):
         pytest.param([-2.0, -1.0, 0.0, 5.0, 12.0], id="joints below"),
     ],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_bearing_swings_out_whatever_its_table_says_below_slip_0(method, joints):
     table = gb.Table(joints, 1 + 0.1 * np.array(joints))
     run = gb.simulate(_swinging(gb.BearingFriction(torque=table)), t=[0.0, 1.1, 2.5], method=method, rtol=1e-9)
@@ -60,8 +60,8 @@ def test_a_bearing_swings_out_whatever_its_table_says_below_slip_0(method, joint
     assert len(reversals) == len({e.t for e in reversals}) == 7  # one at each half swing
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.few(2)
 def test_a_brake_and_a_clutch_take_tables_of_mu_from_slip_0(method):
     table = gb.Table([0.0, 12.0], [0.25, 0.55])
     brake = gb.Brake(mu=table, force_max=4.0, engagement=1.0)
@@ -79,6 +79,7 @@ def test_a_step_table_that_begins_at_slip_0_is_constant_friction(method):
     assert run["body.phi"][-1] == pytest.approx(_half_swings(2.5, rise=0.0)[0], abs=1e-6)
 
 
+@pytest.mark.long
 def test_the_corner_of_a_table_above_slip_0_is_still_located():
     """1 N m up to 2 rad/s, 3 N m from there on: spins down in (10 - 2)/3 + 2/1 s."""
     rig = gb.Drivetrain("corner")
@@ -106,7 +107,7 @@ def _until(w, to, J):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("w0", [1.0, -1.0, 2.5, -2.5])
 @pytest.mark.parametrize("part", ["brake", "clutch", "late clutch"])
-@pytest.mark.few(12)
+@pytest.mark.few(1)
 def test_a_slip_may_begin_on_a_joint_of_its_table(part, w0, method):
     """From the joint downwards; with a clutch that engages there as the run goes on as well."""
     rig = gb.Drivetrain("on a joint")
@@ -165,9 +166,9 @@ def _joined(parts, wires, order):
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("order", [pytest.param(1, marks=pytest.mark.long), -1])
 @pytest.mark.parametrize("made", [_between_two, _in_a_row, _carrier])
-@pytest.mark.few(2)
 def test_slips_on_joints_stop_alike_in_any_order_and_sense(made, order):
     """`base` beside the slip: its joint is met but for the rounding of both speeds."""
     for base, joint, sense in product((0.0, 1000.1), SPEEDS[1:], (1.0, -1.0)):
@@ -181,6 +182,7 @@ def test_slips_on_joints_stop_alike_in_any_order_and_sense(made, order):
         assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_a_slip_may_begin_on_a_joint_and_grow(sense, method):

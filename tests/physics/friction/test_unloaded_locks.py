@@ -63,7 +63,7 @@ def _rig(pair, lock, torque):
         pytest.param(_joint, _stop, marks=pytest.mark.long),
     ],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_what_nothing_loads_stays_at_rest_until_the_load_turns(pair, lock, method):
     turns = 0.4
     rig = _rig(pair, lock, gb.sin(math.pi / turns * gb.time))
@@ -76,11 +76,11 @@ def test_what_nothing_loads_stays_at_rest_until_the_load_turns(pair, lock, metho
     assert run["stop.torque"][:3] == pytest.approx(-np.sin(math.pi / turns * run.t[:3]), rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lock", [_freewheel, _stop])
 @pytest.mark.parametrize(
     "torque", [0.1 * gb.time, pytest.param(40 * gb.time**4, marks=pytest.mark.long), 1 - gb.cos(3 * gb.time)]
 )
-@pytest.mark.few(2)
 def test_a_soft_rise_is_as_good_as_any(torque, lock):
     run = gb.simulate(_rig(_ellipse, lock, torque), t_end=0.5)
     assert not np.any(run["near.w"]) and not np.any(run["beyond.w"])
@@ -110,9 +110,9 @@ def _hammered(held):
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("held", [("brake", "bearing"), ("bearing", "load"), ("brake", "bearing", "load")])
 @pytest.mark.parametrize(("method", "rtol"), [("auto", 1e-6), ("dp5", 1e-8), ("rodas", 1e-8)])
-@pytest.mark.few(3)
 def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, rtol):
     t = np.linspace(0.0, 0.1, 21)
     run = gb.simulate(_hammered(held), t=t, method=method, rtol=rtol)
@@ -131,7 +131,7 @@ def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, 
 )
 @pytest.mark.parametrize("ratio", [-1.0, 2.5])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_what_a_brake_leaves_for_the_gear_and_the_freewheel_behind_it_is_rounding(gear, ratio, method):
     rig = gb.Drivetrain("held")
     bodies = [rig.add(name, gb.Inertia(J=J)) for name, J in (("near", 0.2), ("middle", 0.366), ("far", 0.337))]
@@ -166,10 +166,10 @@ def _struck(k, c, J, w0):
     return found.t[-1], *found.y[1:, -1]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("c", [100.0, 4000.0])
 @pytest.mark.parametrize(("k", "J"), [(24900.0, (1.82, 0.0282, 0.0455)), (8e4, (0.5, 0.4, 0.9))])
-@pytest.mark.few(3)
 def test_a_contact_that_its_damping_eats_up_leaves_a_freewheel_nothing_but_rounding(k, J, c, method):
     rig = gb.Drivetrain("clipped")
     strikes = rig.add("strikes", gb.Inertia(J=J[0], w0=3.0, phi0=0.7))
@@ -194,6 +194,7 @@ def test_a_contact_that_its_damping_eats_up_leaves_a_freewheel_nothing_but_round
     assert speeds == pytest.approx([first, second, second], rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize(
     ("k", "c", "J", "error"),
@@ -204,7 +205,6 @@ def test_a_contact_that_its_damping_eats_up_leaves_a_freewheel_nothing_but_round
     ],
 )
 @pytest.mark.parametrize("beside", ["nothing", "two locks"])
-@pytest.mark.few(2)
 def test_the_same_while_a_mesh_rattles(beside, k, c, J, error, method):
     """Beside a body that two locks hold forces are sampled, else enclosed. Closed form: no force inside of the mesh changes
     the sum of momenta in parts of the radii."""

@@ -34,9 +34,9 @@ def _energy(excitation, pace, driven_by):
     return energy / energy[0], run
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("pace", [pytest.param(0.2, marks=pytest.mark.long), 1.0, 2.0])
 @pytest.mark.parametrize("excitation", EXCITATIONS)
-@pytest.mark.few(2)
 def test_driven_by_the_angle_a_free_pair_keeps_its_energy_and_driven_by_time_it_does_not(excitation, pace):
     """pace: mesh frequency over natural frequency."""
     kept, run = _energy(excitation, pace, "angle")

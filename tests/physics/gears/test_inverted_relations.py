@@ -50,6 +50,7 @@ def test_two_rows_on_a_driven_carrier_whose_suns_are_both_gear_1(law):
         pytest.param(WAVES, False, id="waves-internal"),
     ],
 )
+@pytest.mark.few(1)
 def test_a_pair_driven_at_gear_2(law, external):
     sign = 1 if external else -1
     rig = gb.Drivetrain("driven at b")
@@ -75,7 +76,7 @@ STEEP = gb.RatioLaw.segments(0.4, 0.3, np.radians(200))
 
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("law", [LINE, STEEP, WAVES], ids=["line", "steep", "waves"])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_the_work_of_a_motion_that_is_wholly_prescribed(law, method):
     """No state sets the steps, and laws with joints tend to infinity beyond them: the drive gives what the bodies gain."""
     rig = gb.Drivetrain("prescribed")
@@ -98,6 +99,7 @@ def test_the_work_of_a_motion_that_is_wholly_prescribed(law, method):
         assert run["more.w"][-1] == pytest.approx((-w / law.m(two))[-1], rel=1e-9)
 
 
+@pytest.mark.long
 def test_a_pair_whose_gear_2_is_held_while_its_carrier_coasts():
     rig = gb.Drivetrain("held at b")
     carrier, body = rig.add("carrier", gb.Inertia(J=1.0, w0=10.0)), rig.add("body", gb.Inertia(J=0.2))
@@ -148,6 +150,7 @@ def test_a_motion_that_is_prescribed_at_both_gears_is_refused_by_name():
         gb.build(rig)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gone", [pytest.param(["shaft_0"], marks=pytest.mark.long), ["shaft_0", "shaft_1", "shaft_2"]])
 def test_start_angles_behind_a_rigid_shaft_follow_the_motion_that_drives_it(gone):
     from models import noncircular_cvt
@@ -161,6 +164,7 @@ def test_start_angles_behind_a_rigid_shaft_follow_the_motion_that_drives_it(gone
     assert np.abs(run["branch_0.w"] - speed).max() < 1e-9 * np.abs(speed).max()
 
 
+@pytest.mark.long
 def test_start_angles_behind_a_rigid_gear_follow_the_first_body():
     rig = gb.Drivetrain("geared")
     one, two = rig.add("one", gb.Inertia(J=1.0, phi0=0.3)), rig.add("two", gb.Inertia(J=1.0, phi0=-0.2))

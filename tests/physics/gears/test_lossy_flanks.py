@@ -73,7 +73,7 @@ WORMS = {
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "of few starts")) for n in WORMS])
 @pytest.mark.parametrize("load", [1.0, -1.0])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_heavy_screw_has_the_one_motion_of_its_flanks(name, load):
     """J1 i^2 > -eta2 J2: also where the wheel pushes on, and J2 + i^2 J1/eta2 is below zero."""
     ratio, eta, *J = WORMS[name]
@@ -88,7 +88,7 @@ def test_a_heavy_screw_has_the_one_motion_of_its_flanks(name, load):
 
 
 @pytest.mark.parametrize("name", WORMS)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_light_screw_on_which_the_wheel_pushes_jams(name):
     """The stiffer its flanks the sooner it stands, as 1/sqrt(k): rigid ones have no acceleration."""
     ratio, eta, _, wheel = WORMS[name]
@@ -102,6 +102,7 @@ def test_a_light_screw_on_which_the_wheel_pushes_jams(name):
 
 
 @pytest.mark.parametrize("name", WORMS)
+@pytest.mark.few(1)
 def test_a_light_screw_against_a_load_has_two_motions_and_starts_in_neither(name):
     """By how its flanks are pressed at the start it is braked by the load alone, or stands at once."""
     ratio, eta, _, wheel = WORMS[name]
@@ -116,6 +117,7 @@ def test_a_light_screw_against_a_load_has_two_motions_and_starts_in_neither(name
         assert (caught.value.component, caught.value.time) == ("worm", 0.0)
 
 
+@pytest.mark.long
 def test_a_light_screw_that_begins_to_turn_by_its_own_drive_goes_on():
     """From rest the forces are continuous: the side that drives is the one that goes on, though the other would do."""
     ratio, eta, J, drive, load = 10.0, (0.4, -0.3), (3e-4, 1.0), 0.5, -1.0

@@ -50,7 +50,7 @@ def _in_numpy(springs, tau, begins, eta):
 
 @pytest.mark.parametrize("load", LOADS)
 @pytest.mark.parametrize("springs", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3)), 5])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_gear_begins_to_slide_the_way_that_the_load_comes(springs, load):
     tau, same, begins = LOADS[load]
     rig = _chain(springs, tau, gb.LossyGear(ratio=RATIO, efficiency=(ETA, 0.76)))
@@ -62,9 +62,9 @@ def test_a_gear_begins_to_slide_the_way_that_the_load_comes(springs, load):
         assert len(first) <= (begins > 0.0), method
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("limits", [{"upper": 0.0, "lower": -3.0}, {"upper": 3.0, "lower": 0.0}])
-@pytest.mark.few(2)
 def test_a_stop_beside_it_opens_or_holds(sign, limits):
     gear, stop = gb.LossyGear(ratio=RATIO, efficiency=(ETA, 0.76)), gb.HardStop(restitution=0.0, **limits)
     rig = _chain(2, 5.0 * sign, gear, stop)
@@ -91,9 +91,9 @@ def _play_in_numpy(tau, dry, eta):
     return rates
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("ratio", "eta"), [(1.0, 0.7), (-0.5, 0.674)])
 @pytest.mark.parametrize("dry", [0.0, 0.2, 0.02])
-@pytest.mark.few(2)
 def test_play_without_a_gap_beside_it_closes_the_way_that_it_begins_to_slide(dry, ratio, eta):
     """Which flank carries is told once the gear slides; that it slides, and that the bearing has let go, stays so."""
     rig = gb.Drivetrain("closed play")
@@ -118,7 +118,7 @@ def test_play_without_a_gap_beside_it_closes_the_way_that_it_begins_to_slide(dry
 
 @pytest.mark.parametrize("springs", [2, pytest.param(3, marks=pytest.mark.long), 4])
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, method, rtol):
     tau, same, begins = LOADS["later"]
     run = gb.simulate(_chain(springs, tau, gb.IdealGear(ratio=RATIO)), t_end=T_END, method=method, rtol=rtol)
@@ -134,6 +134,7 @@ def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, meth
         pytest.param("behind", "joint", marks=pytest.mark.long),
     ],
 )
+@pytest.mark.few(1)
 def test_start_speeds_follow_through_a_gear_behind_gains_that_vary(first, given):
     rig = gb.Drivetrain("start")
     blocks = {
@@ -160,6 +161,7 @@ def test_start_speeds_follow_through_a_gear_behind_gains_that_vary(first, given)
 @pytest.mark.parametrize(("ratio", "eta1", "peak", "tau"), [
     (2.0, 0.4, 1.3, 5.0), (2.0, 0.4, 1.3, -5.0), (3.0, 0.6, 1.5, 9.0), (2.5, 0.35, 2.0, 12.0)
 ])  # fmt: skip
+@pytest.mark.few(1)
 def test_a_clutch_with_a_static_peak_that_bridges_a_lossy_gear_breaks_away_beside_it(
     ratio: float, eta1: float, peak: float, tau: float
 ) -> None:

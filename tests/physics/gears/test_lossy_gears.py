@@ -40,7 +40,7 @@ def _lossy(tau, load=0.0, w0=0.0, ratio=RATIO, **losses):
 @EVERY_METHOD
 @pytest.mark.parametrize("ratio", [2.0, 0.5])  # either side may be the one that follows
 @pytest.mark.parametrize(("tau", "eta"), [(10.0, ETA1), (-1.0, 1 / ETA2)])
-@pytest.mark.few(5)
+@pytest.mark.few(1)
 def test_a_lossy_gear_passes_on_what_its_efficiency_leaves(tau, eta, ratio, options):
     run = gb.simulate(_lossy(tau, w0=9.0, ratio=ratio), t_end=1.0, **options)
     assert run["two.alpha"][-1] == pytest.approx(ratio * eta * tau / (J2 + ratio**2 * eta * J1), rel=EXACT)
@@ -123,6 +123,7 @@ def test_start_speeds_that_a_lossy_gear_does_not_allow_are_refused_by_name():
     assert (run["one.w"][0], run["two.w"][0]) == (2.0, 1.0)
 
 
+@pytest.mark.long
 @EVERY_METHOD
 @pytest.mark.parametrize(
     ("tau", "load", "ratio", "w0", "bearing"),
@@ -134,7 +135,6 @@ def test_start_speeds_that_a_lossy_gear_does_not_allow_are_refused_by_name():
         (-2.5, -3.0, 2.0, 0.0, (2.0, 0.2)),
     ],
 )
-@pytest.mark.few(7)
 def test_a_drives_where_a_run_begins_between_both_bearing_torques(tau, load, ratio, w0, bearing, options):
     """Both sides hold all along, with u = J_b alpha/ratio - load/ratio below -tau2 and not below -tau1."""
     rig = _chain(

@@ -54,7 +54,7 @@ INERTIA = 1.0 + 0.5 / (RATIO**2 * ETA1)
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(("peak", "bound"), [(None, "load"), (1.3, "load"), (1.3, "brake"), (None, "brake")])
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 def test_it_breaks_away_where_no_split_holds_the_load_any_more(
     peak: float | None, bound: str, sign: float, method: str
 ) -> None:
@@ -69,6 +69,7 @@ def test_it_breaks_away_where_no_split_holds_the_load_any_more(
         assert run.energy.residual < 10 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("aside", [False, True])
 @pytest.mark.parametrize("peak", [None, 1.3])
 def test_a_load_that_jumps_to_what_can_be_held_is_held(peak: float | None, aside: bool) -> None:
@@ -80,8 +81,8 @@ def test_a_load_that_jumps_to_what_can_be_held_is_held(peak: float | None, aside
     assert run["a.w"][-1] == pytest.approx((1.01 * most - SLIDING) * 0.2 / INERTIA, rel=1e-5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
-@pytest.mark.few(1)
 def test_gear_clutch_and_freewheel_behind_an_ellipse_hold_a_load_that_swings(method: str) -> None:
     """As far as the load goes it can be held, by less than what the clutch holds."""
     load = gb.Table([0.0, 0.44, 0.5], [0.0, -1.05 * SLIDING, 0.0])
@@ -118,6 +119,7 @@ def _side_by_side(paths: str, held: float) -> gb.Drivetrain:
 
 @pytest.mark.parametrize("held", [0.0, 3.0])
 @pytest.mark.parametrize(("paths", "most"), [("ll", 0.6 / 0.9), ("lll", 0.9 / 0.9), ("li", 0.3 / 0.9), ("ls", None)])
+@pytest.mark.few(1)
 def test_gears_side_by_side_press_on_each_other_no_more_than_the_load_asks(
     paths: str, most: float | None, held: float
 ) -> None:

@@ -50,6 +50,7 @@ UNLIKE = [(0.9, 0.8), (0.5, 0.4), (0.7, 0.95)]
 
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("count", [2, 3])
+@pytest.mark.few(1)
 def test_gears_side_by_side_share_what_they_pass_on_in_any_order(count: int, method: str) -> None:
     """A torque that turns round: a drives for half a period, then b."""
     half = np.pi / SINE
@@ -74,6 +75,7 @@ def test_a_gear_beside_an_ideal_one_passes_nothing_on() -> None:
     assert abs(run["gear0.b.tau"]).max() < 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "rodas"])
 def test_a_spring_behind_gears_side_by_side_swings_as_behind_one_gear_of_their_mean(method: str) -> None:
     """Two gears that pass on the same lose as one with the mean of 1/eta_1 and of eta_2."""
@@ -89,6 +91,7 @@ def test_a_spring_behind_gears_side_by_side_swings_as_behind_one_gear_of_their_m
 
 @pytest.mark.parametrize("tau", [5.0, -5.0])
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+@pytest.mark.few(1)
 def test_gears_in_a_ring_give_alike(order: tuple[int, ...], tau: float) -> None:
     p, q, between = 2.0, 3.0, 0.1
     ends, ratios = (("a", "c"), ("c", "b"), ("a", "b")), (p, q, p * q)
@@ -131,10 +134,10 @@ def _alike(count: int, rows: tuple[tuple[float, ...], ...], tau: object, held: f
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("held", [0.0, 2.0])
 @pytest.mark.parametrize("kind", ["constant", "table", "gap"])
 @pytest.mark.parametrize("count", [2, 3])
-@pytest.mark.few(6)
 def test_gears_alike_side_by_side_are_one_with_the_bearing_torques_of_all(count: int, kind: str, held: float) -> None:
     """From rest, through reversals of the torque, at which both change their side at once, and of the speed."""
     rows = {

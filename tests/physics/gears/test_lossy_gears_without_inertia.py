@@ -73,6 +73,7 @@ def test_a_gearbox_reaches_both_sides_rest_and_its_gap() -> None:
     np.testing.assert_allclose(run["box.gear.torque"], -run["box.lash.a.tau"], rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "order", ["gear last", *(pytest.param(n, marks=pytest.mark.long) for n in ("gear first", "between shafts"))]
 )
@@ -107,6 +108,7 @@ def test_start_angles_pass_through_a_lossy_gear_to_the_shaft_behind_it() -> None
     assert gb.simulate(rig, t_end=0.01)["box.lash.twist"][0] == -0.2
 
 
+@pytest.mark.long
 def test_a_gearbox_without_losses_or_without_compliance_is_what_is_left() -> None:
     rig = _gearbox(**LOSSES["bearing"])
     assert set(rig.effects()) == {"box.loss", "box.compliance", "box.backlash", "box.damping"}

@@ -29,7 +29,7 @@ def _train(torque, load=0.0, *, J=(1.0, 1.0), w0=0.0, ratio=3.0, shaft=None, **l
 @METHODS
 @pytest.mark.parametrize("ratio", [3.0, -0.5])
 @pytest.mark.parametrize("eta", [(0.9, 0.9), (1.0, 1.0), (0.6, 0.95)])
-@pytest.mark.few(6)
+@pytest.mark.few(1)
 def test_a_sine_at_b_turns_the_torque_of_a_gear_that_turns_on(eta, ratio, method):
     """b turns with about 1 rad/s all the time: a forward torque at b drives a, against a backward one a drives b."""
     run = gb.simulate(_train(0.0, gb.sin(20 * gb.time), w0=1.0, ratio=ratio, efficiency=eta), t_end=2.0, method=method)
@@ -93,6 +93,7 @@ def test_bearing_losses_that_are_larger_where_b_drives_leave_a_gap_in_which_noth
     assert _ramp((-1, 0.4, 1.0), 4.0, method) == pytest.approx(50.0 + up, rel=1e-8)
 
 
+@pytest.mark.long
 @METHODS
 def test_bearing_losses_that_are_larger_where_a_drives_keep_the_side_that_is_present(method):
     """Between -tau1 and -tau2 both sides hold: down it drives until -0.667 N m, up it is driven until -0.267."""
@@ -120,6 +121,7 @@ def test_a_loaded_gear_turns_back_with_the_losses_of_each_direction(ratio, metho
     assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 @METHODS
 def test_torque_and_speed_that_turn_at_one_instant_leave_the_gear_at_rest_or_turning_as_the_torque_goes_on(method):
     """Without losses: after 20 sin(10 t) from rest both vanish at every whole cycle, after 20 cos(10 t) in turn."""
@@ -180,7 +182,7 @@ def test_a_wheel_that_drives_its_worm_loses_what_the_inclined_plane_says():
         ("ring", {"motor": 2.0, "sun": 5.0}),
     ],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_start_speeds_follow_through_a_lossy_gear_beside_a_planetary(place, told):
     rig = gb.Drivetrain("start")
     motor, sun, carrier, ring = (

@@ -167,8 +167,8 @@ AT = np.linspace(0.0, 1.2, 61)
 LONG = ("bearing that sticks beside b", "no losses")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name in LONG)) for name in ROWS])
-@pytest.mark.few(2)
 def test_a_row_of_lossy_gears_turns_back_as_its_losses_say_with_every_method(name: str) -> None:
     row = ROWS[name]
     rig, (true, changes) = row.train(), row.speeds(AT)
@@ -181,6 +181,7 @@ def test_a_row_of_lossy_gears_turns_back_as_its_losses_say_with_every_method(nam
 
 
 @pytest.mark.parametrize("place", [0, 1])
+@pytest.mark.few(1)
 def test_a_lossy_gear_beside_a_stuck_bearing_is_stuck_as_long_as_it(place: int) -> None:
     """Which of the two holds the load the motion does not tell; that both do, their modes say."""
     row = ROWS["bearing that sticks beside a" if place == 0 else "bearing that sticks beside b"]

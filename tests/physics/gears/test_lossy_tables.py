@@ -42,15 +42,15 @@ def _acceleration(table, ratio, tau, load, w, inertia=J1):
 @pytest.mark.parametrize("table", [STEEP, THREE, LATE], ids=["steep", "three", "late"])
 @pytest.mark.parametrize("w0", [21.3, -21.3, 4.0, -0.7])
 @pytest.mark.parametrize(("ratio", "tau", "load"), [(-1.0, -2.4, 0.0), (0.25, 3.0, -1.0), (4.0, 0.0, 5.0)])
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 def test_a_run_starts_with_the_losses_of_its_speed(table, w0, ratio, tau, load):
     run = gb.simulate(_train(table, ratio, tau, load, w0)[0], t_end=1e-3)
     assert run["one.alpha"][0] == pytest.approx(_acceleration(table, ratio, tau, load, w0), rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("w0", [60.0, -60.0])
 @pytest.mark.parametrize("table", [FREE, STEEP, THREE], ids=["free", "steep", "three"])
-@pytest.mark.few(2)
 def test_an_impact_leaves_the_gear_with_the_losses_of_its_new_speed(table, w0):
     """A dog clutch closes on a flywheel: the momentum about shaft a is kept, the gear loses nothing in the impact."""
     ratio, tau, flywheel, slow = -1.0, -2.4, 2.0, 0.3
@@ -70,6 +70,7 @@ def test_an_impact_leaves_the_gear_with_the_losses_of_its_new_speed(table, w0):
 @pytest.mark.parametrize("eta1", [0.993, 1.0])
 @pytest.mark.parametrize("eta2", [0.638, 1.0, -0.3])
 @pytest.mark.parametrize("speed", [11.1, 7.7, 0.3])
+@pytest.mark.few(1)
 def test_a_table_without_bearing_torque_at_rest_holds_nothing_and_moves_nothing(speed, eta2, eta1):
     """Beside a gear at rest that is loaded; 2 - J1 w' = J2 w'/(4 eta1) from where the torque comes on."""
     table = ((0.0, eta1, eta2, 0.0, 0.0), (speed, 0.769, 0.793 if eta2 > 0 else -0.4, 0.372, 0.372))

@@ -73,6 +73,7 @@ def test_a_varying_frequency_is_integrated_never_multiplied_by_time(reference, d
     assert run.energy.residual < 1e-11
 
 
+@pytest.mark.long
 def test_an_expression_of_time_as_frequency_is_integrated_too(distance):
     rig = _pair(stiffness_variation=gb.Fourier(cos=(0.2,), driven_by=1000 + 500 * sp.sin(100 * gb.time)))
     run = gb.simulate(rig, t=T, initial=START, **TIGHT)
@@ -141,6 +142,7 @@ def test_an_error_driven_by_the_angle_pushes_the_pinion_by_its_slope(reference, 
     assert run.energy.residual < 1e-11
 
 
+@pytest.mark.long
 def test_an_error_driven_by_time_does_work_on_the_train(reference, distance):
     amplitude, w, c = 2e-5, 3000.0, 5.0
     rig = _pair(transmission_error=gb.Harmonic(cos=(amplitude,), driven_by=w, phase=0.2), c=c)

@@ -34,7 +34,7 @@ def _rig(external=True, turning=False, load=20.0, free=False, **fields):
     {"profile_shift": (0.3, 0.1)},
     {"profile_shift": (0.2, -0.1), "addendum": 1.1, "helix_angle": np.deg2rad(-10)},
 ])  # fmt: skip
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_stiffness_of_the_standard_is_that_of_its_formula(fields):
     run = gb.simulate(_rig(k=None, stiffness="iso6336", face_width=0.02, **fields), t=[0.0], rtol=1e-6)
     shape = {("shifts" if name == "profile_shift" else name): value for name, value in fields.items()}
@@ -81,6 +81,7 @@ def test_an_internal_pair_has_the_stiffness_against_a_rack():
      "friction needs module, pressure_angle"),
     ({"backlash": gb.Backlash(gaps=(0.1, 0.1))}, "backlash.gaps is for a spline"),
 ])  # fmt: skip
+@pytest.mark.few(3)
 def test_teeth_that_make_no_law_are_refused_with_the_reason(fields, words):
     with pytest.raises(gb.ModelError) as caught:
         _rig(**fields)

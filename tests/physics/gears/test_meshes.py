@@ -58,6 +58,7 @@ PLACES = pytest.mark.parametrize(
 
 
 @PLACES
+@pytest.mark.few(1)
 def test_a_linear_mesh_moves_as_derived_by_hand(external, turning, reference, distance):
     run = gb.simulate(_mesh(external, turning, c=C), t=T, initial={"pinion.w": 0.3}, **TIGHT)
     rates, deflection = _by_hand(external, turning, lambda x, v, _: K * x + C * v)
@@ -72,6 +73,7 @@ def test_a_linear_mesh_moves_as_derived_by_hand(external, turning, reference, di
 
 
 @PLACES
+@pytest.mark.few(1)
 def test_a_mesh_with_backlash_moves_as_derived_by_hand(external, turning, reference, distance):
     b = 30e-6
     rig = _mesh(external, turning, backlash=gb.Backlash(half_gap=b))
@@ -103,6 +105,7 @@ def test_module_and_angles_give_the_base_radii():
         assert run["mesh.deflection"][0] == pytest.approx(r1 * 1e-3, rel=1e-14)
 
 
+@pytest.mark.long
 def test_a_vanishing_gap_gives_the_linear_mesh(distance):
     for choice in ("clipped", "clipped_force", "always"):
         gap = _mesh(True, False, backlash=gb.Backlash(half_gap=0.0), contact_damping=choice)
@@ -153,6 +156,7 @@ def _drag(choice, x, v, side, b=0.1, k=400.0, c=3.0):
 
 
 @pytest.mark.parametrize("choice", ["clipped", pytest.param("clipped_force", marks=pytest.mark.long), "always"])
+@pytest.mark.few(1)
 def test_damping_in_the_gap_acts_as_its_name_says(choice, reference, distance):
     b, k, c = 0.1, 400.0, 3.0
 
@@ -195,6 +199,7 @@ def test_the_laws_of_damping_differ():
 
 
 @pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])
+@pytest.mark.few(1)
 def test_a_mesh_without_compliance_is_the_rigid_pair(external):
     rig = _mesh(external, False).without("mesh.compliance")
     run = gb.simulate(rig, t=[0.0, 1e-3], rtol=1e-9)

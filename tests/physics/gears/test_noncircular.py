@@ -53,6 +53,7 @@ def _rig(law, *, external=False, carrier=None, load=-0.2, **mesh):
 
 
 @LAWS_AND_SIDES
+@pytest.mark.few(1)
 def test_generated_code_evaluates_the_law_as_numpy_does(law, external):
     run = gb.simulate(_rig(law, external=external), t=T, rtol=1e-8)
     theta = run["mesh.driver_angle"]
@@ -64,6 +65,7 @@ def test_generated_code_evaluates_the_law_as_numpy_does(law, external):
 
 
 @LAWS_AND_SIDES
+@pytest.mark.few(1)
 def test_the_torques_of_a_pair_balance_about_the_axis_and_lose_no_power(law, external):
     run = gb.simulate(_rig(law, external=external, carrier=gb.Inertia(J=1e-3, w0=20.0)), t=T, rtol=1e-9)
     m, moment = run["mesh.ratio"], run["mesh.moment"]
@@ -77,6 +79,7 @@ def test_the_torques_of_a_pair_balance_about_the_axis_and_lose_no_power(law, ext
 
 
 @LAWS
+@pytest.mark.few(1)
 def test_a_free_pair_keeps_its_energy_though_its_stiffness_turns_with_the_driver(law):
     gear = {"k": 400 + 200 * gb.cos(3 * gb.driver_angle), "backlash": gb.Backlash(half_gap=2e-4)}
     rig = _rig(law, load=0.0, **gear).set({"drive.tau": 0.0, "two.w0": 0.9 * float(law.m(0.0)) * 100.0})
@@ -129,6 +132,7 @@ def test_a_vanishing_gap_gives_the_pair_without_one():
     assert np.abs(bare["two.w"] - gap["two.w"]).max() < 1e-5  # k b is 4e-10 N m, over 0.3 s on 1e-4 kg m2
 
 
+@pytest.mark.long
 def test_joints_are_located_and_an_ellipse_has_none():
     run = gb.simulate(_rig(BENCH, c=0.01), t=T, rtol=1e-9)
     joints = np.array([e.t for e in run.events])
@@ -148,6 +152,7 @@ def test_a_phase_shifts_the_law_and_not_the_gears(turn):
     assert np.abs(run["mesh.deflection"] - lead).max() < 1e-13
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "phase", [0.2 * gb.sin(40 * gb.time), gb.Table(np.linspace(0, 0.3, 31), 0.2 * np.sin(np.arange(31)), kind="cubic")],
     ids=["expression", "table"],
@@ -163,6 +168,7 @@ def test_a_moving_phase_does_work_that_is_counted(phase):
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cut", [300.0, 900.0])
 def test_the_rate_of_the_deflection_contains_that_of_a_filtered_phase(cut):
     t = np.linspace(0.0, 0.03, 3001)
@@ -178,6 +184,7 @@ def test_the_rate_of_the_deflection_contains_that_of_a_filtered_phase(cut):
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.long
 def test_an_input_shifts_the_phase_of_a_compliant_pair():
     rig = _rig(ELLIPSE, c=0.01, phase=gb.Input("shift", start=0.4, unit="rad"))
     held = gb.simulate(rig, t=T, rtol=1e-10)
@@ -187,6 +194,7 @@ def test_an_input_shifts_the_phase_of_a_compliant_pair():
     assert np.abs(moved["mesh.driver_angle"] - moved["one.phi"])[-1] == pytest.approx(0.9)
 
 
+@pytest.mark.long
 def test_an_error_of_the_teeth_is_taken_from_the_deflection():
     error = gb.Harmonic(cos=(1e-4,))
     run = gb.simulate(_rig(ELLIPSE, c=0.01, transmission_error=error), t=T, rtol=1e-10)
@@ -210,6 +218,7 @@ def test_a_damping_ratio_is_that_of_the_linear_pair():
 
 
 @LAWS_AND_SIDES
+@pytest.mark.few(1)
 def test_a_rigid_pair_turns_by_its_law_and_keeps_its_energy(law, external):
     run = gb.simulate(_rig(law, external=external, k=None), t=T, rtol=1e-10)
     sign = -1 if external else 1
@@ -275,6 +284,7 @@ def test_a_filter_lets_an_input_move_the_phase(compliance):
         assert np.abs(run["two.phi"] - lead).max() < 1e-12
 
 
+@pytest.mark.long
 def test_three_branches_of_non_circular_pairs_and_differentials_turn_evenly_in_their_windows():
     """Input speed 262 rad/s; each branch th_out' = 262 (m2 - m1): 0.175 of it inside of the window (law NORM, 60 deg)."""
     rig = gb.Drivetrain("branches")
@@ -304,6 +314,7 @@ def test_three_branches_of_non_circular_pairs_and_differentials_turn_evenly_in_t
     assert even.min() >= 1  # zeta = 1.5: always one branch at least
 
 
+@pytest.mark.long
 def test_friction_as_a_square_wave_raises_and_lowers_the_moment():
     wave = gb.piecewise((1.0, gb.sin(300 * gb.time) >= 0), (-1.0, True))
     friction = gb.ToothFriction(mu=0.1, direction="square_wave", wave=wave)
@@ -316,8 +327,8 @@ def test_friction_as_a_square_wave_raises_and_lowers_the_moment():
         _rig(ELLIPSE, friction=gb.ToothFriction(mu=0.1))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["auto", "dp8", "rodas"])
-@pytest.mark.few(2)
 def test_a_pair_that_dips_into_its_gap_for_less_than_a_step_goes_on(method):
     """Left at -q', the flank is met again after 2 q'/q'': far sooner than the steps that the free flight allows."""
     rig = _rig(ELLIPSE, external=True, k=1e4, c=1.0, backlash=gb.Backlash(half_gap=1e-3), load=0.0)

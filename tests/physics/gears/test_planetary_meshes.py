@@ -36,6 +36,7 @@ def _rig(gear, free=False):
 @pytest.mark.parametrize(
     "planets", [1, pytest.param(2, marks=pytest.mark.long), 3, pytest.param(6, marks=pytest.mark.long)]
 )
+@pytest.mark.few(1)
 def test_planets_share_the_load_and_the_ring_takes_the_reaction(planets):
     run = gb.simulate(
         _rig(_gear(z=(30, 15, 60) if planets > 3 else (ZS, ZP, ZR), planets=planets)), t=[0.3], rtol=1e-10
@@ -58,6 +59,7 @@ def test_a_stiff_set_turns_with_the_ratio_of_its_teeth():
     assert (planet - arm) / (sun - arm) == pytest.approx(-ZS / ZP, rel=1e-4)
 
 
+@pytest.mark.long
 def test_the_mass_of_the_planets_turns_with_the_carrier():
     orbit = M * (ZS + ZP) / 2
     heavy = gb.simulate(_rig(_gear(planet_mass=0.3)), t=[0.01], rtol=1e-9)
@@ -168,6 +170,7 @@ def test_friction_loses_as_much_forwards_as_backwards():
     ({"planet_inertia": -1.0}, "planet_inertia = -1.0 kg m2 must be >= 0"),
     ({"ring_phase": "x"}, "ring_phase = 'x' cycles must be a number"),
 ])  # fmt: skip
+@pytest.mark.few(3)
 def test_a_set_that_cannot_exist_is_refused_with_the_reason(fields, words):
     with pytest.raises(gb.ModelError) as caught:
         _rig(_gear(**fields))
@@ -195,6 +198,7 @@ def test_effects_of_a_set_are_named_by_mesh_and_can_be_taken_away():
     assert only["gear"].ring_mesh is None
 
 
+@pytest.mark.long
 def test_a_set_is_changed_by_paths_and_survives_a_file(tmp_path):
     law = LAW.changed(backlash=gb.Backlash(half_gap=1e-5), stiffness_variation=gb.Fourier(cos=(0.1,), phase=0.3))
     rig = _rig(_gear(law=law, planet_mass=0.1)).set({"gear.sun_mesh.backlash.half_gap": 2e-5})

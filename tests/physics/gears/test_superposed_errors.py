@@ -49,6 +49,7 @@ def test_the_errors_add_up_each_with_its_own_phase() -> None:
     assert found.energy.residual < 1e-8
 
 
+@pytest.mark.long
 def test_a_sum_of_two_parts_is_the_series_of_both() -> None:
     parts = (gb.Harmonic(cos=(1e-5,)), gb.Harmonic(sin=(4e-6,)))
     one, two = run(pair(OF_TEETH)), run(pair(parts))
@@ -56,6 +57,7 @@ def test_a_sum_of_two_parts_is_the_series_of_both() -> None:
     assert two["mesh.force"] == pytest.approx(one["mesh.force"], rel=1e-6, abs=1e-6 * np.abs(one["mesh.force"]).max())
 
 
+@pytest.mark.long
 def test_three_errors_are_a_sum_of_sums_with_paths_of_their_own(tmp_path: Path) -> None:
     rig = pair([OF_TEETH, RUN_OUT, SAW])
     nested = gb.Superposition(first=OF_TEETH, second=gb.Superposition(first=RUN_OUT, second=SAW))
@@ -91,6 +93,7 @@ def test_phases_that_are_integrated_have_symbols_of_their_own() -> None:
     assert "angle_ea_mesh' = w" in text and "angle_eb_mesh' = 2 w" in text
 
 
+@pytest.mark.long
 def test_a_gear_of_any_shape_takes_several_errors() -> None:
     gear = gb.NonCircularGear(
         external=True,

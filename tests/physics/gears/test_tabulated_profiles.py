@@ -35,6 +35,7 @@ def test_a_bare_table_is_a_profile_over_the_angle() -> None:
     assert gb.build(short).program.key == gb.build(full).program.key
 
 
+@pytest.mark.long
 def test_a_table_as_transmission_error_moves_the_mesh_as_the_harmonic_does() -> None:
     error = gb.Table(CYCLES, (1e-5 * np.cos(2 * np.pi * CYCLES)).round(20), kind="cubic", periodic=True)
     table = gb.simulate(_pair(transmission_error=error), t=T, rtol=1e-10)

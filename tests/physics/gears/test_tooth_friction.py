@@ -50,6 +50,7 @@ def _friction_by_hand(run, mu=MU, z2=Z[1], carrier=0.0):
     return clear, total, first, second, loss
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "external", [pytest.param(True, id="external"), pytest.param(False, id="internal", marks=pytest.mark.long)]
 )
@@ -74,6 +75,7 @@ def test_friction_acts_on_the_lever_arms_of_the_pairs_in_contact(external, turni
     assert np.abs(run["mesh.loss_power"] - loss - 2e3 * rate**2)[clear].max() < 1e-10 * size
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "gap",
     [pytest.param(None, id="linear", marks=pytest.mark.long), pytest.param(gb.Backlash(half_gap=2e-5), id="backlash")],
@@ -123,6 +125,7 @@ def test_the_mean_loss_is_that_of_the_published_tooth_loss_factor():
     assert lost == pytest.approx(mu * factor, rel=2e-3)
 
 
+@pytest.mark.long
 def test_friction_changes_sign_at_the_pitch_point():
     run = gb.simulate(_rig(c=2e3, friction=gb.ToothFriction(mu=MU)), t=np.linspace(0, 0.02, 4001), rtol=1e-9)
     pair = ToothPair(*Z, M, A)

@@ -63,7 +63,7 @@ def _drive(rig: gb.Drivetrain, first: Any, behind: bool) -> tuple[float, float]:
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("behind", [False, True])
 @pytest.mark.parametrize("hold", [_gear, _brake])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_they_rest_until_what_holds_them_lets_go(hold: Any, behind: bool, method: str, rtol: float) -> None:
     rig = gb.Drivetrain("unloaded members")
     first = rig.add("first", gb.Inertia(J=FIRST))
@@ -83,10 +83,10 @@ def test_they_rest_until_what_holds_them_lets_go(hold: Any, behind: bool, method
     assert run.stats.steps < 1000
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "rtol"), [("dp5", 1e-4), ("dp8", 1e-6), ("rodas", 1e-9)])
 @pytest.mark.parametrize("spring", [False, True])
 @pytest.mark.parametrize("gears", [1, 2, 3])
-@pytest.mark.few(3)
 def test_the_energy_of_what_rests_is_rounding(gears: int, spring: bool, method: str, rtol: float) -> None:
     """Rows of gears that hold, behind them a body on a damped spring: powers of speeds that are rounding ask for no steps."""
     rig = gb.Drivetrain("unloaded members")

@@ -69,6 +69,7 @@ def test_gears_carry_inertia_over_by_the_square_of_their_ratio():
 
 
 @pytest.mark.parametrize("n", [5, 60])
+@pytest.mark.few(1)
 def test_an_even_chain_has_the_frequencies_of_the_closed_form(n):
     found = gb.modes(_chain(n))
     assert found.frequencies == pytest.approx(_chain_frequencies(n), rel=1e-8)
@@ -77,6 +78,7 @@ def test_an_even_chain_has_the_frequencies_of_the_closed_form(n):
     assert found.strain.sum(axis=1) == pytest.approx(np.ones(n), rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_long_chain_gives_its_lowest_modes_without_a_full_matrix():
     n = 1500
     found = gb.modes(_chain(n, c=0.01), count=5)
@@ -113,6 +115,7 @@ def test_motions_that_do_not_swing_are_decays():
     assert heavy.decays == pytest.approx([(100 - root) / 2, (100 + root) / 2], rel=1e-7)  # a difference of near numbers
 
 
+@pytest.mark.long
 def test_a_damper_takes_one_free_rotation_only_however_the_free_ones_mix():
     # a differential with every shaft free, a damper (and a spring beside it) between two of the four bodies
     rig = gb.Drivetrain("free differential")
@@ -140,6 +143,7 @@ def test_a_damper_takes_one_free_rotation_only_however_the_free_ones_mix():
     assert len(modes.decays) == 1
 
 
+@pytest.mark.long
 def test_a_mesh_strained_by_every_free_rotation_takes_one_of_them_however_stiff_it_is():
     rig = gb.Drivetrain("mesh on a differential")
     mesh = rig.add("mesh", gb.GearMesh(teeth=(54, 43), external=True, r_base=(0.054, 0.043), k=4.7e4, c=82.0))
@@ -182,8 +186,8 @@ def test_the_table_of_modes_names_what_moves_and_what_is_strained():
     assert " ".join(lines[3].split()) == "1 188.315 1183.22 8.87 % a 1.00, b 0.40 shaft 100 %"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("at", [0.0, 0.4, 1.2])
-@pytest.mark.few(2)
 def test_modes_at_a_position_of_a_universal_joint(at):
     """A body on a spring on either side of the joint, and torques in balance: with the ratio m = dphi_b/dphi_a,
     (J_a + J_b m^2) x'' + (k_a + k_b m^2 - tau dm/dphi_a) x = 0."""
@@ -206,6 +210,7 @@ def test_modes_at_a_position_of_a_universal_joint(at):
     assert found.damping == pytest.approx([0.0], abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("c", [pytest.param(None, marks=pytest.mark.long), 1.5])
 def test_a_node_without_inertia_between_two_shafts_puts_them_in_series(c):
     J, k = 0.5, 200.0

@@ -36,6 +36,7 @@ def _turn(number: int) -> float:
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-9])
 @pytest.mark.parametrize("method", ["auto", "rodas"])
+@pytest.mark.few(3)
 def test_a_peak_is_that_of_the_motion_wherever_the_steps_end(oscillator: gb.Model, rtol: float, method: str) -> None:
     found = []
     for longest in (None, 0.05, 0.013):
@@ -94,6 +95,7 @@ def test_rms_of_a_torque_that_is_a_sine_over_whole_periods() -> None:
     assert gb.trough("drive.torque").of(run) == pytest.approx(1.0, rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_square_wave_has_its_exact_mean_and_peak_whatever_the_steps() -> None:
     rig = gb.Drivetrain("square")
     body = rig.add("body", gb.Inertia(J=1.0))
@@ -115,6 +117,7 @@ def clutched() -> gb.Model:
     return gb.build(rig)
 
 
+@pytest.mark.long
 def test_a_clutch_takes_the_energy_of_an_inelastic_impact_and_locks_when_speeds_meet(clutched: gb.Model) -> None:
     run = gb.simulate(clutched, t_end=5.0, rtol=1e-9)
     reduced = 2.0 * 3.0 / 5.0

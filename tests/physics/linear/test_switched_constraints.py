@@ -71,6 +71,7 @@ def test_the_response_through_a_stuck_clutch_is_that_of_the_rigid_train():
     assert abs(stuck["shaft3.twist"][0]) == pytest.approx(1 / K3[2], rel=NEAR)  # 1 N m goes all the way to the ground
 
 
+@pytest.mark.long
 def test_a_sliding_clutch_acts_by_the_slope_of_its_friction():
     rig = gb.Drivetrain("pair")
     one, two = rig.add("one", gb.Inertia(J=2.0, w0=10.0)), rig.add("two", gb.Inertia(J=3.0))
@@ -87,8 +88,8 @@ def test_a_sliding_clutch_acts_by_the_slope_of_its_friction():
     assert whole.decays == pytest.approx([slope * (1 / 2 + 1 / 3)], rel=NEAR)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("speeds", "capacity", "free"), [((0, 0), 5.0, 1), ((4.0, 0), 5.0, 2), ((0, 0), 0.0, 2)])
-@pytest.mark.few(2)
 def test_free_rotations_are_counted_as_what_holds_allows(speeds, capacity, free):
     rig = gb.Drivetrain("pair")
     one, two = (rig.add(n, gb.Inertia(J=1.0, w0=w)) for n, w in zip(("one", "two"), speeds, strict=True))
@@ -149,6 +150,7 @@ def test_the_matrix_is_that_of_central_differences_where_something_holds():
     assert np.abs(exact - differences).max() < 1e-8 * np.abs(exact).max()
 
 
+@pytest.mark.long
 def test_what_holds_is_a_tie_where_gains_change_with_the_angle():
     """Two discs that a non-circular pair ties to a third one, braked or clutched to it."""
     rig = gb.Drivetrain("varying")
@@ -162,6 +164,7 @@ def test_what_holds_is_a_tie_where_gains_change_with_the_angle():
     assert found.frequencies == pytest.approx([np.sqrt(40.0 / (0.7 / m**2 + 1.3 + 2.1))], rel=1e-7)  # by differences
 
 
+@pytest.mark.long
 def test_a_campbell_diagram_sees_the_train_as_what_holds_leaves_it():
     stuck, rigid = (_turning(x) for x in (gb.Clutch(capacity=50.0), None))
     found, expected = (gb.campbell(rig, "one.w", [1.0, 20.0], orders={"first": 1.0}) for rig in (stuck, rigid))
@@ -179,6 +182,7 @@ def _turning(clutch):
     return rig
 
 
+@pytest.mark.long
 def test_a_lossy_gear_is_a_tie_for_small_motions():
     rig = gb.Drivetrain("lossy")
     one, two = rig.add("one", gb.Inertia(J=2.0, w0=3.0)), rig.add("two", gb.Inertia(J=3.0, w0=1.5))

@@ -66,7 +66,7 @@ def _clutched() -> gb.Drivetrain:
     return _to_ground(_disc(), ("clutch", gb.Clutch(capacity=0.5)), ("near", gb.Shaft(k=3.0, c=0.2)))
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("made", [_damped, _braked, _maxwell, _two_nodes, _geared, _side_by_side, _borne, _clutched])
 def test_a_run_that_goes_on_is_the_run_in_one_piece(made: Callable[[], gb.Drivetrain]) -> None:
     model = gb.build(made())

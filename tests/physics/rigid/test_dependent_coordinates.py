@@ -36,6 +36,7 @@ def test_three_inertias_in_a_triangle_of_springs(reference, distance):
     assert run.energy.residual < 1e-11
 
 
+@pytest.mark.long
 def test_two_meshes_share_the_load_between_the_same_shafts(reference, distance):
     """A split path: motor to wheel by a mesh, and by a lay shaft with two meshes whose ratios agree (or nearly do)."""
     J, k = (1e-3, 2e-3, 8e-3), (1e7, 2e7, 1.5e7)
@@ -133,6 +134,7 @@ def _on_a_lever(shafts=(), **factors):
     return rig
 
 
+@pytest.mark.long
 def test_cosines_that_close_the_circle_leave_a_train_free_to_turn():
     # three times 120 degrees: in floats the factors add up to -2e-16
     model = gb.build(_on_a_lever((5.0, 7.0), p=1.0, q=np.cos(2 * np.pi / 3), r=np.cos(4 * np.pi / 3)))
@@ -146,7 +148,7 @@ def test_cosines_that_close_the_circle_leave_a_train_free_to_turn():
 
 
 @pytest.mark.parametrize(("p", "q"), [(0.5, 0.5), (0.0, 1.0), (1.0, 0.0), (0.0, 0.0)])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_factor_of_a_deflection_may_be_nothing(p, q):
     w = gb.simulate(_on_a_lever(p=p, q=q), t=[0.7], rtol=1e-10, initial={"j2.w": 1.0})
     rate = 10.0 * (p**2 / 1 + q**2 / 2 + 1 / 3)  # the only mode swings along the deflection

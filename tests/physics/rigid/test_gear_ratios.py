@@ -28,7 +28,7 @@ def _train(gear, J=(0.02, 0.5), tau=30.0, load=-40.0):
     ],
     ids=["ratio", "negative", "external", "internal"],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_inertia_is_reflected_by_the_square_of_the_ratio(gear, i):
     run = gb.simulate(_train(gear), t=[0.0, 0.5, 1.0], rtol=1e-10)
     alpha = (30.0 + -40.0 / i) / (0.02 + 0.5 / i**2)

@@ -38,6 +38,7 @@ def test_an_acceleration_may_be_an_input_and_act_on_a_slider():
 # -- angle, speed and acceleration --------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_an_angle_with_its_speed_and_acceleration_moves_as_the_angle_by_itself():
     phi, w, alpha = gb.sin(3 * gb.time), 3 * gb.cos(3 * gb.time), -9 * gb.sin(3 * gb.time)
     t = np.linspace(0.0, 2.0, 21)
@@ -74,6 +75,7 @@ def test_speed_without_acceleration_and_beside_a_filter_are_refused():
     ("kind", "overshoot"),
     [("bessel", np.exp(-np.pi * np.sqrt(3.0))), ("butterworth", np.exp(-np.pi)), ("critical", 0.0)],
 )
+@pytest.mark.few(1)
 def test_filters_of_second_order_overshoot_a_step_as_they_must(kind, overshoot):
     # damping ratio sqrt(3)/2, sqrt(1/2), 1: overshoot exp(-pi zeta/sqrt(1 - zeta^2))
     run = gb.simulate(
@@ -86,6 +88,7 @@ def test_filters_of_second_order_overshoot_a_step_as_they_must(kind, overshoot):
 
 @pytest.mark.parametrize("kind", ["bessel", "butterworth"])
 @pytest.mark.parametrize("block", ["angle", "speed"])
+@pytest.mark.few(1)
 def test_the_gain_at_the_cut_off_frequency_is_minus_3_db(kind, block):
     w0 = 20.0
     signal = gb.sin(w0 * gb.time)
@@ -110,6 +113,7 @@ def test_a_filter_that_there_is_not_is_refused_with_the_near_one():
 # -- tables that jump ---------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_table_jumps_where_an_x_stands_twice():
     table = gb.Table([0.0, 1.0, 1.0, 2.0, 2.0], [0.0, 1.0, 3.0, 4.0, -1.0])
     assert list(table.values([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])) == [0.0, 0.5, 3.0, 3.5, -1.0, -1.0]

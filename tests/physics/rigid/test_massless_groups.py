@@ -26,6 +26,7 @@ def _split(parts: int, c: float | None, empty: bool) -> gb.Drivetrain:
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("c", [pytest.param(None, marks=pytest.mark.long), 0.5])
 @pytest.mark.parametrize("empty", [pytest.param(False, marks=pytest.mark.long), True])
 def test_a_shaft_split_into_parts_without_inertia_between_moves_as_the_whole(c: float | None, empty: bool) -> None:
@@ -58,7 +59,7 @@ def test_a_damper_at_a_shaft_without_inertia_makes_a_state_of_first_order() -> N
 
 @pytest.mark.parametrize("method", ["dp8", "rodas"])
 @pytest.mark.parametrize("geared", [False, True])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_shafts_without_inertia_that_are_damped_against_each_other_hang_on_a_spring(method: str, geared: bool) -> None:
     """The torque reaches the disc at once; the damped shaft between follows c x' + k x = tau from k x = tau(0)."""
     rig = gb.Drivetrain("hanging")

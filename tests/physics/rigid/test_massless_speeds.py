@@ -58,7 +58,7 @@ def exact(inertias, stiffnesses, dampings, t):
 
 
 @pytest.mark.parametrize("name", CHAINS)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_speeds_of_massless_shafts_are_as_right_as_those_of_others(name):
     t = np.linspace(0.0, 0.3, 301)
     phi, w = exact(*CHAINS[name], t)
@@ -73,6 +73,7 @@ def test_speeds_of_massless_shafts_are_as_right_as_those_of_others(name):
                     assert error < 30 * rtol, (method, rtol, i, what, error / rtol)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["one", *(pytest.param(x, marks=pytest.mark.long) for x in CHAINS if x != "one")])
 def test_a_ramp_from_rest_finds_its_first_step_at_any_tolerance(name):
     """Linear: the speeds under t N m are the angles under 1 N m. rodas once began with 1e-157 s at 1e-10."""

@@ -44,7 +44,7 @@ GEARS = [
         for case in GEARS
     ],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_every_gear_has_its_ratio_and_its_reflected_inertia(make, gear, ratio):
     rig = make(*gear)
     run = gb.simulate(rig, t=[0.0, 0.3], rtol=1e-9)
@@ -59,6 +59,7 @@ def test_every_gear_has_its_ratio_and_its_reflected_inertia(make, gear, ratio):
     assert run.energy.residual < 1e-12
 
 
+@pytest.mark.long
 def test_the_simple_set_of_meshes_is_the_ideal_planetary():
     """Sun 28, planet 21, ring 70 on a carrier, nothing held: two degrees of freedom, the same motion and torques."""
     start = {"sun": 30.0, "carrier": 5.0}

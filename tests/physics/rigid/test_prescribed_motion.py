@@ -38,8 +38,8 @@ def test_a_prescribed_angle_is_kept_exactly() -> None:
     assert abs(run.energy.residual) < 1e-10
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("beside", ["parallel", "through a third", "driving to ground", "driven to ground"])
-@pytest.mark.few(2)
 def test_an_angle_between_two_turning_shafts_lets_springs_go_any_way_beside_it(beside: str) -> None:
     rig = gb.Drivetrain("two shafts")
     i, j, spring = rig.add("i", gb.Inertia(J=1.0)), rig.add("j", gb.Inertia(J=2.0)), rig.add("s", gb.Shaft(k=10.0))
@@ -68,6 +68,7 @@ def test_an_angle_between_two_turning_shafts_lets_springs_go_any_way_beside_it(b
         assert momentum == pytest.approx(momentum[0], abs=1e-8)
 
 
+@pytest.mark.long
 def test_angles_that_are_all_prescribed_or_held_leave_the_implicit_method_its_tables() -> None:
     rig = gb.Drivetrain("held ring")
     planet, angle = rig.add("planet", gb.IdealPlanetary(ratio=-1.7)), rig.add("angle", gb.Angle(phi=gb.sin(gb.time)))
@@ -84,6 +85,7 @@ def test_angles_that_are_all_prescribed_or_held_leave_the_implicit_method_its_ta
     assert run["last.phi"] == pytest.approx(other["last.phi"], abs=1e-7)  # the tolerance of rodas over its steps
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["rodas", "dp8"])
 def test_a_dashpot_drawn_through_a_spring_follows_a_prescribed_angle_late(method: str) -> None:
     """No shaft has a speed of its own: phi' = (k/d) (sin t - phi) is all that is left."""
@@ -121,6 +123,7 @@ def test_a_train_whose_every_motion_is_prescribed_or_held_runs_by_every_method(m
 
 
 @pytest.mark.parametrize("by_angle", [False, True])
+@pytest.mark.few(1)
 def test_a_motor_that_stands_on_a_shaft_geared_to_its_own_turns_both(by_angle: bool) -> None:
     """w_a - w_b = w and w_b = w_a/3 give w_a = 3/2 w; the torque of the motor turns both discs."""
     rig = gb.Drivetrain("riding motor")

@@ -34,6 +34,7 @@ def test_a_start_twist_turns_what_nothing_holds() -> None:
     assert speeds == pytest.approx([-3.0, 0.0, -3.0, 1.5, 1.5], abs=1e-15)
 
 
+@pytest.mark.long
 def test_given_start_values_stay_as_they_are() -> None:
     rig = _three({"w0": 10.0, "phi0": 0.3}, {"phi_rel0": 0.2, "w_rel0": -3.0}, w0=0.0, phi0=1.0)
     found = _start(rig, "left.phi", "middle.phi", "right.phi", "left.w", "middle.w", "wheel.w", "right.w")
@@ -42,6 +43,7 @@ def test_given_start_values_stay_as_they_are() -> None:
     assert behind == pytest.approx([-8.0, -4.0, 2.0], abs=1e-14)  # from the right, through the gear
 
 
+@pytest.mark.long
 def test_a_start_twist_keeps_its_rest_and_its_meaning_when_rolling() -> None:
     rig = _three(shaft={"phi_rel0": 0.2, "rest": 0.05}).set({"lash": gb.Lash(k=80.0, lower=0.03)})
     assert _start(rig, "shaft.twist", "lash.twist") == pytest.approx([0.2, 0.03], abs=1e-15)
@@ -94,6 +96,7 @@ def test_a_damper_gives_the_start_speed_and_a_slider_its_place() -> None:
     assert 10 * s + 400 * s**3 == pytest.approx(16.0, rel=1e-8)
 
 
+@pytest.mark.long
 def test_two_accelerations_in_a_train_are_both_met() -> None:
     rig = _three({"alpha0": 5.0, "w0": 1.0}, {"c": 0.1}).set(
         {"lash": gb.Shaft(k=80.0), "right.alpha0": -2.0, "middle.phi0": 0.0}
@@ -102,6 +105,7 @@ def test_two_accelerations_in_a_train_are_both_met() -> None:
     assert found == pytest.approx([5.0, -2.0, 0.0], rel=1e-8, abs=1e-12)
 
 
+@pytest.mark.long
 def test_what_nothing_open_gives_is_said() -> None:
     free = gb.Drivetrain("free")
     free.chain(free.add("push", gb.Torque(tau=1.0)), free.add("disc", gb.Inertia(J=0.5, alpha0=3.0)))

@@ -17,6 +17,7 @@ def _planetary(ratio: float, j: tuple[float, float, float], torques: tuple[float
 
 
 @pytest.mark.parametrize("ratio", [2.0, pytest.param(0.4, marks=pytest.mark.long), -2.5])
+@pytest.mark.few(1)
 def test_a_planetary_accelerates_as_lagrange_says(ratio: float) -> None:
     j, torques = (0.1, 0.3, 0.5), (2.0, -1.0, 0.7)
     run = gb.simulate(_planetary(ratio, j, torques), t_end=1.0)
@@ -30,6 +31,7 @@ def test_a_planetary_accelerates_as_lagrange_says(ratio: float) -> None:
     assert abs(run.energy.residual) < 1e-12
 
 
+@pytest.mark.long
 def test_the_equations_for_people_say_what_the_c_computes_for_a_planetary() -> None:
     rig = _planetary(2.0, (0.1, 0.3, 0.5), (2.0, -1.0, 0.7))
     eq = rig.equations()
@@ -43,6 +45,7 @@ def test_the_equations_for_people_say_what_the_c_computes_for_a_planetary() -> N
         assert run[f"{v.name.removeprefix('w_')}.alpha"][0] == pytest.approx(float(value), rel=1e-12)
 
 
+@pytest.mark.long
 def test_the_reaction_of_a_gear_goes_to_its_housing_whether_that_turns_or_not() -> None:
     for held in (True, False):
         rig = gb.Drivetrain("gear")
@@ -63,6 +66,7 @@ def test_the_reaction_of_a_gear_goes_to_its_housing_whether_that_turns_or_not() 
             assert run["house.torque"][-1] == pytest.approx(-run["gear.housing.tau"][-1], rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_differential_shares_the_torque_equally() -> None:
     rig = gb.Drivetrain("axle")
     diff = rig.add("diff", gb.Differential(ratio=4.0))

@@ -56,6 +56,7 @@ def test_a_compliant_train_that_starts_rolling_has_no_transient(method: str) -> 
     assert not len(run.events) and (run["clutch.mode"] == 0).all() and (run["brake.mode"] == 0).all()
 
 
+@pytest.mark.long
 def test_speeds_that_bodies_give_let_the_others_turn_along() -> None:
     run = gb.simulate(_eight(w0=SPEED), t_end=1e-3, initial="rolling")
     assert [run[f"{name}.w"][0] for name in BODIES] == pytest.approx(SPEED * RATIOS, rel=1e-14)
@@ -118,6 +119,7 @@ def test_friction_holds_where_the_given_speeds_let_it_the_strongest_first() -> N
     assert held["carrier.w"][0] == pytest.approx((sun + i * ring) / (1 + i), rel=1e-9)
 
 
+@pytest.mark.long
 def test_of_two_that_cannot_both_hold_the_stronger_one_holds() -> None:
     """A clutch to a turning motor against a brake to the ground: what a run would find, too."""
     for clutch, brake, hub in ((80.0, 500.0, 0.0), (500.0, 80.0, 300.0)):
@@ -138,6 +140,7 @@ def test_a_lock_that_would_have_to_close_by_an_impact_is_refused() -> None:
         gb.simulate(model, t_end=0.1, initial=gb.rolling({"one.w": 3.0, "two.w": 1.0}))
 
 
+@pytest.mark.long
 def test_a_prescribed_speed_takes_the_train_along() -> None:
     rig = gb.Drivetrain("driven")
     rig.chain(
@@ -166,6 +169,7 @@ def test_what_the_ground_holds_by_a_spring_cannot_roll() -> None:
         gb.simulate(rig, t_end=1.0, initial=gb.rolling({"disc.w": 5.0}))
 
 
+@pytest.mark.long
 def test_a_ratio_that_varies_is_refused() -> None:
     rig = gb.Drivetrain("varying")
     joint = rig.add("joint", gb.UniversalJoint(angle=0.3))
@@ -175,6 +179,7 @@ def test_a_ratio_that_varies_is_refused() -> None:
         gb.simulate(rig, t_end=1.0, initial=gb.rolling({"one.w": 5.0}))
 
 
+@pytest.mark.long
 def test_parameters_sweeps_and_scenes_start_rolling() -> None:
     rig = _eight(w0=gb.Parameter("speed", SPEED, "rad/s"))
     run = gb.simulate(rig, t_end=1e-4, initial="rolling", parameters={"speed": 100.0})
@@ -243,6 +248,7 @@ def _behind_a_lossy_gear(**angles: float) -> gb.Drivetrain:
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("named", ["left", "one", "two", "right"])
 @pytest.mark.parametrize("own", ["one", "two"])
 def test_angles_beside_a_lossy_gear_yield_to_one_that_is_named_beyond_it(own: str, named: str) -> None:

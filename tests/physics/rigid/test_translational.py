@@ -211,6 +211,7 @@ def test_start_values_that_contradict_through_a_rack_are_refused() -> None:
         (lambda: gb.Force(g=1.0), "Force has no field 'g'"),
     ],
 )
+@pytest.mark.few(3)
 def test_bad_values_are_refused_in_words(make, words: str) -> None:
     with pytest.raises(gb.ModelError) as caught:
         gb.Drivetrain("rig").add("x", make())

@@ -53,6 +53,7 @@ def test_a_periodic_table_over_an_angle_is_passed_turn_by_turn(period):
     assert [e.after for e in run.events] == list(range(1, 301))
 
 
+@pytest.mark.long
 def test_conditions_on_sums_of_steps_are_frozen():
     pressed = (
         gb.piecewise((0, gb.time < 0.3), (1, True))

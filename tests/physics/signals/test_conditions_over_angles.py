@@ -22,7 +22,7 @@ def crank(tau, *, w0, J=1.0, drag=None):
 
 
 @pytest.mark.parametrize("method", [*METHODS, "auto"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_gas_torque_of_a_crank_acts_in_every_turn(method, reference):
     model = crank(gb.piecewise((200, gb.cos(PHI) > 0.9), (0, True)), w0=300.0, J=0.2, drag=0.3)
     rates = lambda t, y, m: (y[1], (200 * (m[0] > 0) - 0.3 * y[1]) / 0.2)  # noqa: E731
@@ -37,6 +37,7 @@ def test_the_gas_torque_of_a_crank_acts_in_every_turn(method, reference):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
+@pytest.mark.few(3)
 def test_work_over_half_turns_is_the_torque_times_the_angle(method, rtol):
     run = gb.simulate(
         crank(gb.piecewise((10, gb.sin(PHI) > 0), (0, True)), w0=100.0), t_end=1.0, method=method, rtol=rtol
@@ -47,9 +48,9 @@ def test_work_over_half_turns_is_the_torque_times_the_angle(method, rtol):
     assert len(run.events) == int(phi / np.pi)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6, 1e-10])
-@pytest.mark.few(3)
 def test_forty_switches_over_one_angle_flip_as_often_as_they_cross(method, rtol):
     small = sum(gb.piecewise((1e-9, gb.sin(n * PHI) > 0), (0, True)) for n in range(1, 41))
     run = gb.simulate(crank(small, w0=1e4), t_end=4.03e-4, method=method, rtol=rtol)
@@ -59,6 +60,7 @@ def test_forty_switches_over_one_angle_flip_as_often_as_they_cross(method, rtol)
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.few(1)
 def test_a_rectified_wave_changes_its_side_at_every_zero_and_does_its_work(method):
     model = crank(10 * abs(gb.sin(20 * PHI)), w0=1000.0)
     for rtol in (1e-3, 1e-8):
@@ -70,8 +72,8 @@ def test_a_rectified_wave_changes_its_side_at_every_zero_and_does_its_work(metho
         assert abs(0.5 * (w**2 - 1e6) - work) < 0.05 * work  # 5e-5 of the speed
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.few(2)
 def test_a_camshaft_with_twelve_followers_keeps_its_energy(method):
     # each lobe is a spring A/2 (cos 2 psi - cos 2 b) within b of its follower: energy is a function of the angle
     half, size, w0 = 0.4, 30.0, 50.0
@@ -138,6 +140,7 @@ def _crossings(f, end):
     return [brentq(at, t[i], t[i + 1], xtol=1e-15) for i in np.flatnonzero(side[1:] != side[:-1])]
 
 
+@pytest.mark.long
 def test_conditions_of_any_form_switch_where_their_zeros_are():
     rig = gb.Drivetrain("conditions")
     speeds, end = {"one": 170.0, "two": 131.0}, 0.5
@@ -174,8 +177,8 @@ def test_windows_of_a_ten_thousandth_of_a_turn_are_seen_and_touches_are_not(meth
     assert np.allclose([e.t for e in run.events], np.array(expected) / 1e3, rtol=0, atol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.few(2)
 def test_an_angle_behind_a_joint_and_one_of_a_shaft_without_inertia_are_followed(method):
     rig = gb.Drivetrain("joint")
     fork = rig.add("fork", gb.Inertia(J=1e-3))
@@ -201,6 +204,7 @@ def test_an_angle_behind_a_joint_and_one_of_a_shaft_without_inertia_are_followed
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("level", [lambda t: 0.5 * np.sin(30 * t), gb.Table([0.0, 0.2, 0.5], [0.1, 0.9, -0.6])])
+@pytest.mark.few(3)
 def test_a_threshold_that_comes_from_outside_is_crossed_as_often_as_it_is(method, level):
     tau = gb.piecewise((1.0, gb.sin(4 * PHI) > gb.Input("u")), (0, True))
     values = level if callable(level) and not isinstance(level, gb.Table) else lambda t: np.interp(t, level.x, level.y)

@@ -52,7 +52,7 @@ MANY = ("largest", "held but for the touch", "cubed", "scaled by parts that roun
 
 @pytest.mark.parametrize("settings", QUICK, ids=str)
 @pytest.mark.parametrize("law", [pytest.param(law, marks=[pytest.mark.long] * (law in MANY)) for law in OVER_TIME])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_corner_over_time_takes_the_side_ahead(law, settings):
     tau, true = OVER_TIME[law]
     run = gb.simulate(_train(tau), t_end=3.0, **settings)
@@ -75,7 +75,7 @@ def _over_angle(push):
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
 @pytest.mark.parametrize("push", [0.5, -0.5])
 @pytest.mark.parametrize("law", _over_angle(1.0))
-@pytest.mark.few(6)
+@pytest.mark.few(1)
 def test_a_corner_over_an_angle_is_left_at_once_from_rest(law, push, settings):
     run = gb.simulate(_train(_over_angle(push)[law]), t_end=1.0, **settings)
     assert run["body.w"][-1] == pytest.approx(push, rel=10.0 * settings.get("rtol", 1e-6))
@@ -83,6 +83,7 @@ def test_a_corner_over_an_angle_is_left_at_once_from_rest(law, push, settings):
 
 @pytest.mark.parametrize("phi0", [PERIOD, -PERIOD, 4 * PERIOD])
 @pytest.mark.parametrize("law", _over_angle(1.0))
+@pytest.mark.few(1)
 def test_it_is_so_at_the_corners_of_later_turns(law, phi0):
     run = gb.simulate(_train(_over_angle(0.5)[law], phi0=phi0), t_end=1.0)
     assert run["body.w"][-1] == pytest.approx(0.5, rel=2e-5)
@@ -90,7 +91,7 @@ def test_it_is_so_at_the_corners_of_later_turns(law, phi0):
 
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
 @pytest.mark.parametrize("w0", [0.0, 2.0, -2.0])
-@pytest.mark.few(5)
+@pytest.mark.few(1)
 def test_a_size_over_an_angle_keeps_the_energy_of_its_potential(w0, settings):
     """w^2/2 of tau = push + abs(cos(5 phi) - 1) is w0^2/2 + push phi + phi - sin(5 phi)/5, across many touches."""
     push = -0.5 if w0 < 0.0 else 0.5

@@ -68,7 +68,7 @@ def _last_angle(springs, tau, name, damping):
 
 @pytest.mark.parametrize("springs", [*(pytest.param(n, marks=pytest.mark.long) for n in (2, 3)), 5])
 @pytest.mark.parametrize("name", LAWS)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_law_far_from_the_load_begins_on_the_side_to_which_it_moves(name, springs):
     for tau in (4.0, -4.0):
         for damping, method in ((0.0, "dp5"), (0.01, "dp8"), (0.01, "rodas")):
@@ -78,6 +78,7 @@ def test_a_law_far_from_the_load_begins_on_the_side_to_which_it_moves(name, spri
             assert run[f"j{springs}.phi"][-1] == pytest.approx(true, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[pytest.mark.long] * (name in ("sign", "size"))) for name in LAWS]
 )
@@ -114,7 +115,7 @@ def _behind_a_table(tau, table, springs):
 
 @pytest.mark.parametrize("springs", [1, 2])
 @pytest.mark.parametrize("name", TABLES)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_shaft_rests_on_a_joint_of_its_table(name, springs):
     for tau in (0.5, -0.5):
         rig = gb.Drivetrain("train")

@@ -177,6 +177,7 @@ def test_what_is_sensed_cannot_prescribe_a_motion(source, filter):
 
 
 @pytest.mark.parametrize("beside", [False, True])
+@pytest.mark.few(1)
 def test_a_voltage_that_saturates_over_an_acceleration_is_that_of_scipy(beside):
     """A law that is narrow in what follows from the torques; beside: another signal that they read."""
     J, k, L, R, most = 0.05, 0.5, 0.05, 0.4, 9.0

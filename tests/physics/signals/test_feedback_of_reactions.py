@@ -51,7 +51,7 @@ def test_the_integral_of_an_acceleration_is_the_speed(middle):
     assert run.energy.residual < 1e-9
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("path", "middle"),
     [
@@ -68,6 +68,7 @@ def test_the_integral_of_a_torque_is_the_momentum_behind_it(path, middle):
     assert np.allclose(run["sum.y"], 1.0 * run["two.w"], rtol=0, atol=2e-8)
 
 
+@pytest.mark.long
 def test_the_torques_at_both_ends_of_a_body_take_away_its_momentum():
     """tau: what the body does to its flanges; of a vehicle at its one."""
     rig = _with_sum("two.alpha", gb.Shaft(k=50.0, c=0.1))
@@ -83,11 +84,13 @@ def test_the_torques_at_both_ends_of_a_body_take_away_its_momentum():
 
 
 @pytest.mark.parametrize("middle", [gb.Shaft(k=50.0, c=0.1), gb.Shaft(rigid=True), gb.Clutch(capacity=3.0)])
+@pytest.mark.few(1)
 def test_the_integral_of_a_power_is_the_energy_behind_it(middle):
     run = gb.simulate(_with_sum("middle.b.power", middle), t_end=3.0, rtol=1e-10)
     assert np.allclose(run["sum.y"], run["two.kinetic_energy"], rtol=0, atol=2e-8)
 
 
+@pytest.mark.long
 def test_a_reaction_passes_through_a_gear_while_a_clutch_behind_sticks_and_slips():
     run = gb.simulate(
         _with_sum("middle.torque", gb.IdealGear(ratio=2), behind=gb.Clutch(capacity=0.3)), t_end=3.0, rtol=1e-10

@@ -50,6 +50,7 @@ def _rig(block, name, passed=False):
 
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 @pytest.mark.parametrize("gain", [0.2, 5.0, 200.0])
+@pytest.mark.few(3)
 def test_a_governor_leaves_its_limit_where_it_does(gain, method, rtol):
     """Full torque until gain (target - w) + bias = 1, then exponentially to the droop."""
     target, bias = 10.0, 0.2
@@ -69,7 +70,7 @@ def test_a_governor_leaves_its_limit_where_it_does(gain, method, rtol):
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 @pytest.mark.parametrize("kind", ["jump", "corner", "floor"])
 @pytest.mark.parametrize("passed", [False, True])
-@pytest.mark.few(6)
+@pytest.mark.few(1)
 def test_an_output_of_a_block_is_located(passed, kind, method, rtol):
     """J w' = FULL v(w): straight with a jump or a floor, an exponential behind a corner; read directly and through another."""
     limit, straight = 3.0, 3.0 * J / FULL

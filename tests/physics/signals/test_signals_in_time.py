@@ -24,6 +24,7 @@ def _end(tau, t_end, rtol=1e-6, **arguments):
 # -- parameters -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_one_parameter_serves_several_blocks_and_is_set_once():
     T = gb.Parameter("T", 3.0, "N m")
     J = gb.Parameter("J", 2.0, "kg m2")
@@ -50,6 +51,7 @@ def test_two_parameters_of_one_name_and_different_values_are_refused():
         gb.build(rig)
 
 
+@pytest.mark.long
 def test_a_short_path_is_enough_when_it_is_unique():
     model = gb.build(_driven(2.0))
     assert gb.simulate(model, t=[1.0], parameters={"J": 4.0})["body.w"][0] == pytest.approx(0.5, rel=EXACT)
@@ -72,6 +74,7 @@ def test_an_input_is_a_number_a_table_or_a_function():
 
 
 @pytest.mark.parametrize(("ends", "scipys"), [("not-a-knot", "not-a-knot"), ("flat", "clamped")])
+@pytest.mark.few(1)
 def test_a_cubic_table_is_a_spline_with_these_ends(ends, scipys):
     from scipy.interpolate import CubicSpline
 
@@ -104,6 +107,7 @@ def test_a_periodic_table_repeats(table, area, as_input):
     assert got == pytest.approx(n * area, rel=1e-11, abs=1e-12)  # 30 corners, each located to rounding
 
 
+@pytest.mark.long
 def test_inputs_of_one_name_are_one_input():
     rig = _driven(gb.Input("u", 1.0) + 2 * gb.Input("u", 1.0))
     model = gb.build(rig)
@@ -138,12 +142,13 @@ SWITCHES = {
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[pytest.mark.long] * (n in ("nested", "abs", "min", "or"))) for n in SWITCHES]
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_condition_on_time_is_met_exactly(name):
     expression, end, impulse = SWITCHES[name]
     assert _end(expression, end) == pytest.approx(impulse, rel=1e-12)
 
 
+@pytest.mark.long
 def test_the_largest_of_three_lines_is_taken():
     run = _end(sp.Max(t, 0.4, 2 * t - 0.5), 1.0)
     # 0.4 until 0.4, t until 0.5, 2 t - 0.5 after
@@ -173,6 +178,7 @@ def test_a_pulse_of_an_input_is_seen_by_a_spring(rtol):
     assert run["body.phi"][0] == pytest.approx(true, rel=30 * rtol)  # a second of free swing at rtol
 
 
+@pytest.mark.long
 def test_a_condition_holds_its_right_limit_at_the_instant_itself():
     run = gb.simulate(_driven(sp.Heaviside(t - 0.5)), t=[0.25, 0.5, 0.75], rtol=1e-6)
     assert list(run["drive.torque"]) == [0.0, 1.0, 1.0]
@@ -196,6 +202,7 @@ def test_a_foreign_symbol_is_refused_with_the_way_out():
         _driven(sp.Symbol("omega") * 2)
 
 
+@pytest.mark.long
 def test_numbers_of_numpy_are_numbers():
     assert _end(np.float64(2.0), 1.0) == pytest.approx(2.0, rel=EXACT)
     assert _end(np.float64(2.0) * gb.time, 1.0) == pytest.approx(1.0, rel=EXACT)

@@ -48,6 +48,7 @@ def test_it_lets_go_when_its_torque_no_longer_suffices(method, rtol):
     assert np.abs(run["body.w"] - above)[between].max() < 20 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 def test_a_limit_that_moves_is_followed(method, rtol):
     run = _run(gb.piecewise((5, gb.sin(2 * gb.time) + 1 > W), (-5, True)), t_end=6.0, method=method, rtol=rtol)
@@ -72,6 +73,7 @@ def test_friction_written_as_a_sign_sticks_as_a_brake_does(method, rtol):
     assert sum(e.after == 0.5 for e in by_hand.events) == 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8"])
 def test_errors_while_it_slides_fall_with_the_order_of_the_method(method):
     """y' = 3 - w on a limit over two speeds: a shaft that winds up at the controlled rate."""
@@ -99,6 +101,7 @@ def test_errors_while_it_slides_fall_with_the_order_of_the_method(method):
     assert errors[2] < 1e-3 * errors[0]
 
 
+@pytest.mark.long
 def test_two_controllers_on_two_wheels_hold_both():
     rig = gb.Drivetrain("two")
     a, b = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=0.5))
@@ -117,6 +120,7 @@ def test_two_controllers_on_two_wheels_hold_both():
     assert run.energy.residual < 1e-5
 
 
+@pytest.mark.long
 def test_a_limit_over_a_power_is_held():
     """w^2 and a feedback of both: event functions that are not affine in the states."""
     run = _run(gb.piecewise((3, W * W + 0.1 * W < 1.1), (-2, True)), 0.5 * gb.cos(4 * gb.time), rtol=1e-8)
@@ -124,6 +128,7 @@ def test_a_limit_over_a_power_is_held():
     assert np.abs(run["drive.torque"] + 0.5 * np.cos(4 * run.t))[run.t > 0.6].max() < 1e-6
 
 
+@pytest.mark.long
 def test_maxima_and_steps_of_tables_slide_as_pieces_do():
     levels = gb.Table([-100.0, 0.0, 100.0], [2.0, -2.0, -2.0], kind="step")(W)
     run = _run(sp.Max(levels, -3), w0=1.0)
@@ -131,6 +136,7 @@ def test_maxima_and_steps_of_tables_slide_as_pieces_do():
     assert run["body.phi"][-1] == pytest.approx(0.25, abs=1e-5)
 
 
+@pytest.mark.long
 def test_a_held_run_repeats_bit_for_bit():
     rig = gb.Drivetrain("wheel")
     tau = gb.piecewise((3, W < 1), (-1, True))

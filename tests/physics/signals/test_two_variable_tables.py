@@ -27,12 +27,14 @@ POINTS = [(3.0, 0.1), (12.0, 0.4), (25.0, 0.9), (59.0, 0.99), (0.0, 0.0), (60.0,
 
 
 @pytest.mark.parametrize(("w", "u"), [*POINTS, (-5.0, 0.2), (80.0, 0.2), (30.0, -1.0), (30.0, 2.0), (99.0, 9.0)])
+@pytest.mark.few(3)
 def test_a_linear_map_is_bilinear_in_its_cells_and_held_outside(w: float, u: float) -> None:
     along = [np.interp(u, U, row) for row in Z]
     assert _probe(gb.Table2(W, U, Z), w, u) == pytest.approx(np.interp(w, W, along), rel=1e-14, abs=1e-13)
 
 
 @pytest.mark.parametrize(("w", "u"), [*POINTS, (-5.0, 0.2), (80.0, 0.2), (30.0, -1.0), (30.0, 2.0)])
+@pytest.mark.few(3)
 def test_a_cubic_map_is_the_product_of_two_flat_ended_splines(w: float, u: float) -> None:
     at = (np.clip(w, W[0], W[-1]), np.clip(u, U[0], U[-1]))
     rows = CubicSpline(U, Z, axis=1, bc_type="clamped")(at[1])
@@ -63,6 +65,7 @@ def test_a_run_across_the_cells_of_a_linear_map_is_exact(reference, distance):
     assert any(abs(t - 4 / 3) < 1e-12 for t in crossed)
 
 
+@pytest.mark.long
 def test_order_is_kept_across_the_cells() -> None:
     true = _run_up(gb.Table2(W, U, Z, kind="cubic"), rtol=1e-12)["body.w"][-1]
     errors = [
@@ -96,6 +99,7 @@ def test_a_map_survives_its_file(tmp_path: Path) -> None:
         ((W, U, Z, "step"), "kind = 'step' must be 'linear' or 'cubic'"),
     ],
 )
+@pytest.mark.few(3)
 def test_a_bad_map_is_refused_in_words(arguments: tuple, words: str) -> None:
     with pytest.raises(gb.ParameterError, match=words):
         gb.Table2(*arguments)

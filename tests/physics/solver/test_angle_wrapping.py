@@ -42,7 +42,7 @@ def _off(phase: Array, cycles: list[Any]) -> float:
 
 @pytest.mark.parametrize("teeth", [(23, 41), (100, 150), (17, 17)])
 @pytest.mark.parametrize("turns", [10**7, -(10**7), 10**9])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_mesh_phase_is_right_at_a_start_angle_of_many_turns(teeth: tuple[int, int], turns: int) -> None:
     phi = 2 * np.pi * turns + 0.1
     run = gb.simulate(_pair(teeth), t=[0.0], initial={"pinion.phi": phi, "wheel.phi": -phi * teeth[0] / teeth[1]})
@@ -88,9 +88,9 @@ PAIRS = [
 ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("fields", PAIRS)
 @pytest.mark.parametrize("turns", [10**7, -(10**7)])
-@pytest.mark.few(2)
 def test_the_motion_after_ten_million_turns_is_that_at_the_first(fields: dict[str, Any], turns: int) -> None:
     far, near = _starts(0.3, (23, 41), turns, 70.0)
     model, t = gb.build(_pair(**fields)), np.linspace(0, 0.3, 301)
@@ -102,6 +102,7 @@ def test_the_motion_after_ten_million_turns_is_that_at_the_first(fields: dict[st
     assert _off(runs[0]["mesh.mesh_phase"], [mpf(float(p)) for p in runs[1]["mesh.mesh_phase"]]) < 1e-9
 
 
+@pytest.mark.long
 def test_a_table_over_the_angle_meets_each_joint_once_while_turns_are_taken_off() -> None:
     rig = _pair(stiffness_variation=gb.Profile(table=CUBIC), damping_ratio=0.05)
     w, end = 400.0, 0.5  # 32 turns
@@ -129,6 +130,7 @@ def test_angles_run_on_and_samples_lie_between_steps_where_turns_are_taken_off()
     assert w * 2.0 > 100
 
 
+@pytest.mark.long
 def test_turning_axes_are_counted_with_what_they_carry() -> None:
     model, t, turns = gb.build(_pair(carrier=True)), np.linspace(0, 0.2, 101), 64 * 10**5
     far, near = _starts(0.3, (23, 41), turns, 70.0)
@@ -161,10 +163,10 @@ def _detent(**fields: Any) -> gb.Drivetrain:
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("fields", "counted"), [
     ({"factor": 3}, 1), ({"factor": 0.25}, 1), ({"factor": 0.1}, 0), ({"factor": 3, "power": 2}, 0),
 ])  # fmt: skip
-@pytest.mark.few(2)
 def test_only_what_no_law_can_tell_is_taken_off(fields: dict[str, Any], counted: int, reference: Any) -> None:
     model = gb.build(_detent(**fields))
     assert (".n_wrapped = 1" in model.program.source) == bool(counted)
@@ -187,6 +189,7 @@ class Wobble(gb.Block):
         yield gb.Tie(s.b.phi - s.ratio * s.a.phi - 0.1 * sp.sin(s.a.phi))
 
 
+@pytest.mark.long
 def test_turns_go_through_a_pair_that_is_not_round(reference: Any) -> None:
     rig = gb.Drivetrain("non-circular pair")
     wobble = rig.add("wobble", Wobble(ratio=0.75))
@@ -207,6 +210,7 @@ def test_turns_go_through_a_pair_that_is_not_round(reference: Any) -> None:
     assert np.abs(run["detent.a.phi"] - follows).max() < 1e-8
 
 
+@pytest.mark.long
 def test_a_sensed_angle_is_left_to_grow_where_a_signal_reads_it_straight() -> None:
     rig = _pair(spring=-1e-3 * gb.sense("pinion.phi"))
     assert ".n_wrapped" not in gb.build(rig).program.source

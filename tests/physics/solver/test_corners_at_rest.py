@@ -34,7 +34,7 @@ def held_by_a_stop(order: int, load: gb.SpeedLoad | gb.Torque) -> gb.Drivetrain:
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("load", LOADS)
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_what_a_stop_holds_rests_on_the_corner_of_its_law_and_the_rest_moves_on(load, order, method):
     rig = held_by_a_stop(order, LOADS[load])
     run = gb.simulate(rig, t_end=1.0, method=method, rtol=1e-8, outputs="*")

@@ -73,7 +73,7 @@ def _energy(name, run):
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "joint")) for n in TRAINS])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_what_loses_nothing_keeps_its_energy(name, method):
     model = gb.build(TRAINS[name]())
     with warnings.catch_warnings():
@@ -100,6 +100,7 @@ BENT = {
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.long] * (n == "two joints")) for n in BENT])
+@pytest.mark.few(1)
 def test_no_step_over_a_gain_that_bends_adds_more_than_its_tolerance(name):
     """One state of speed: an embedded estimate passes zero by chance; the kinetic energy tells the error."""
     rig, inertias = BENT[name]()
@@ -112,6 +113,7 @@ def test_no_step_over_a_gain_that_bends_adds_more_than_its_tolerance(name):
             assert run.energy.residual <= 5 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8"])
 def test_a_jump_that_nothing_announces_stops_no_step_over_a_gain_that_bends(method):
     """What it adds to the balance of a step is no error that shorter tries of the step remove."""
@@ -148,9 +150,9 @@ def _work(phi, torque, level, ripple):
     return torque * on + ripple * (2.0 * halves + 1.0 - np.cos(phi - halves * np.pi))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rtol", [1e-6, 1e-7, 1e-8])
 @pytest.mark.parametrize(("J", "level"), [(0.03, 0.0521), (0.0641, 0.3), (0.15, 0.0521), (0.15, 0.3)])
-@pytest.mark.few(3)
 def test_a_body_that_switches_drive_faster_and_faster_has_the_energy_that_its_angle_says(J, level, rtol):
     torque, ripple, phi = 3.9, 0.335, gb.sense("body.phi")
     rig = gb.Drivetrain("rig")
@@ -204,6 +206,7 @@ def _rattle():
     return rig
 
 
+@pytest.mark.long
 def test_what_exchanges_as_much_for_ever_is_not_stepped_more_strictly_for_a_later_end():
     model = gb.build(_rattle())
     for rtol in (1e-5, 1e-6):

@@ -117,7 +117,7 @@ def _shaken(*, beside):
 
 @pytest.mark.parametrize("beside", ["nothing", pytest.param("coasting", marks=pytest.mark.long), "slow"])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_ledger_closes_where_time_alone_moves_a_body(method, beside):
     if beside == "nothing" and method == "rodas":
         return  # without a state there is no matrix
@@ -155,6 +155,7 @@ def test_a_run_that_loses_more_energy_than_is_asked_for_stops_and_says_so():
         gb.simulate(rig, t_end=1.0, residual=0.0)
 
 
+@pytest.mark.long
 def test_what_is_exchanged_counts_every_amount_without_its_sign():
     rig = gb.Drivetrain("two sources")
     drive, brake = rig.add("drive", gb.Torque(tau=5.0)), rig.add("brake", gb.Torque(tau=-3.0))
@@ -169,6 +170,7 @@ def test_what_is_exchanged_counts_every_amount_without_its_sign():
         assert abs(ledger.imbalance) < 1e-6 * ledger.turnover
 
 
+@pytest.mark.long
 def test_the_largest_energy_is_that_of_the_whole_run():
     rig = gb.Drivetrain("there and back")
     rig.chain(
@@ -180,6 +182,7 @@ def test_the_largest_energy_is_that_of_the_whole_run():
     assert ledger.end == pytest.approx(0.0, abs=1e-7)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp8", "rodas"])
 def test_a_prescribed_speed_is_supplied_with_what_it_drives_through_a_stuck_clutch(method):
     rig = gb.Drivetrain("driven")
@@ -194,6 +197,7 @@ def test_a_prescribed_speed_is_supplied_with_what_it_drives_through_a_stuck_clut
         assert run.energy.supplied["speed"] == pytest.approx(0.6 * (w**2 - 100) + 2 * way, rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_run_that_goes_on_has_a_ledger_of_its_own():
     rig = gb.Drivetrain("goes on")
     rig.chain(
@@ -224,6 +228,7 @@ class _Pendulum(gb.Block):
         yield gb.Energy(stored=15 * (s.b.phi - s.a.phi) ** 2 + 12 * (1 - sp.cos(s.a.phi)))
 
 
+@pytest.mark.long
 def test_a_block_of_several_bodies_and_springs_stores_the_sum_of_their_energies():
     rig = gb.Drivetrain("pendulum")
     el = rig.add("el", _Pendulum())

@@ -34,6 +34,7 @@ W, PHI = gb.sense("rotor.w"), gb.sense("rotor.phi")
     ("method", "damped", "limit"),
     [("rk4", False, 2.828), ("rk4", True, 2.785), ("dp5", True, 3.306), ("dp8", False, 5.96), ("dp8", True, 6.39)],
 )
+@pytest.mark.few(1)
 def test_a_fixed_step_outside_the_stability_of_its_method_stops_the_run(method, damped, limit):
     """An undamped pair vibrates at sqrt(2 k/J); one that is all damping decays at 2 c/J."""
     model = gb.build(_pair(k=1e-3, c=2.0) if damped else _pair())
@@ -49,6 +50,7 @@ def test_a_fixed_step_outside_the_stability_of_its_method_stops_the_run(method, 
     assert max(np.abs(inside[f"{name}.w"]).max() for name in "ab") <= 1.0 + 1e-9
 
 
+@pytest.mark.long
 def test_an_unstable_step_is_told_on_shafts_that_turn_fast_and_on_meshes_with_backlash():
     k, radius, inertia = 2e8, 0.025, 2e-4
     rig = _chain(
@@ -79,6 +81,7 @@ def test_short_fixed_steps_from_rest_are_left_alone():
 
 
 @pytest.mark.parametrize(("power", "method"), [(2, "auto"), (3, "rodas"), (2, "dp5")])
+@pytest.mark.few(1)
 def test_growth_to_infinity_in_finite_time_is_named_as_such(power, method):
     """w' = w^p from 1 is infinite at t = 1/(p - 1)."""
     with pytest.raises(
@@ -89,6 +92,7 @@ def test_growth_to_infinity_in_finite_time_is_named_as_such(power, method):
 
 
 @pytest.mark.parametrize("feed", ["speed", "angle", "resonance"])
+@pytest.mark.few(1)
 def test_growth_without_end_stops_before_numbers_do(feed):
     torque = {"speed": 5 * W, "angle": 25 * PHI, "resonance": -PHI * (1 + 0.5 * gb.cos(2 * gb.time))}[feed]
     with pytest.raises(gb.SimulationError, match=r"'rotor': the motion grows without bound") as caught:
@@ -180,6 +184,7 @@ def test_an_input_function_that_ends_the_program_at_its_first_call_ends_it(end, 
         gb.simulate(rig, t_end=1.0, inputs={"u": source}, initial=initial)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sampled", [True, False])
 @pytest.mark.parametrize("end", [SystemExit, GeneratorExit])
 def test_an_input_function_that_ends_the_program_later_ends_it_then(end, sampled):
@@ -196,6 +201,7 @@ def test_an_input_function_that_ends_the_program_later_ends_it_then(end, sampled
         gb.simulate(rig, inputs={"u": source}, **how)
 
 
+@pytest.mark.long
 def test_a_shaft_without_inertia_that_one_mode_leaves_undamped_says_what_damps_it():
     def rig(**lash):
         return _chain(

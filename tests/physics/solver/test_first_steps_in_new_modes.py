@@ -24,7 +24,7 @@ def _rig(k, e):
 
 @pytest.mark.parametrize("rtol", [1e-6, 1e-4])
 @pytest.mark.parametrize(("k", "e"), [(100.0, 0.1), (100.0, 0.3), (150.0, 0.1), (200.0, 0.1), (200.0, 0.2)])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_step_that_an_event_cuts_is_as_right_inside_as_at_its_end(k, e, rtol):
     """The ledger closes, and the motion is that of many short steps of another method."""
     run = gb.simulate(_rig(k, e), t=[0.0, 0.1, 0.25], method="dp8", rtol=rtol)

@@ -33,6 +33,7 @@ def _speed(spring, begin):
 
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("spring", [False, True])
+@pytest.mark.few(3)
 def test_a_run_that_begins_late_is_as_right_as_time_is(models, spring, method):
     for begin in (1.7, 40.0, 137.9, 359.4, 688.0, 1063.1, 1250.3, 20000.3):
         run = gb.simulate(models[spring], t=[begin + WINDOW], t_start=begin, method=method, rtol=1e-10)
@@ -49,6 +50,7 @@ def test_a_run_that_begins_late_goes_on_at_more_digits_than_time_has(models, met
             assert run.complete and run.stats.steps < 10000
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8"])
 def test_a_gear_pair_with_an_excited_mesh_goes_on_late(method):
     """The mesh of P1's kind, from rest: the motion begins as softly as its excitation, whole periods later the same."""

@@ -106,7 +106,7 @@ USERS = {
 @pytest.mark.parametrize(
     "law", [pytest.param(f, id=f.__name__, marks=[pytest.mark.long] * (f not in QUICK)) for f in USERS]
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_narrow_function_that_a_user_writes_is_seen(law):
     w0, end, step = USERS[law]
     rig = gb.Drivetrain("narrow")
@@ -121,6 +121,7 @@ def test_a_narrow_function_that_a_user_writes_is_seen(law):
             assert run["rotor.phi"][-1] == pytest.approx(right[0], rel=30 * rtol), (method, rtol)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("limit", [0.5, 0.05])
 def test_a_belt_that_creeps_at_its_limit_is_seen_to_turn(limit):
     """Its torque goes from one limit to the other over a part of 4 limit/stiffness of the speed."""

@@ -35,6 +35,7 @@ def _close(run, wanted, rtol):
 
 
 @WITH_METHODS
+@pytest.mark.few(3)
 def test_work_and_slipping_losses_are_those_of_the_polynomials(method, rtol):
     J, C, brake, start, end = (2.0, 3.0), 4.0, 1.5, (40.0, 12.0), 1.7
     rig = gb.Drivetrain("slipping")
@@ -50,6 +51,7 @@ def test_work_and_slipping_losses_are_those_of_the_polynomials(method, rtol):
 
 
 @WITH_METHODS
+@pytest.mark.few(3)
 def test_a_freewheel_that_opens_inside_a_long_step_leaves_the_ledger_right(method, rtol):
     J, start, end = (2.0, 3.0), 4.0, 1.5
     tau = Poly([5.0, 3.0, -2.0, -9.0, 2.0])
@@ -124,7 +126,7 @@ def _antiderivative(nodes):
 
 @pytest.mark.parametrize("load", [pytest.param("damper", marks=pytest.mark.long), "two dampers", "eddy currents"])
 @pytest.mark.parametrize(("method", "rtol"), [*CASES, ("dp8", 1e-8), ("dp8", 1e-9), ("dp8", 1e-11), ("auto", 1e-10)])
-@pytest.mark.few(7)
+@pytest.mark.few(1)
 def test_a_load_that_hardly_moves_sets_no_step_for_the_work_beside_it(method, rtol, load):
     """States whose error is small but seen, beside a source and a slipping clutch that need the steps."""
     J, C, c, start, end = (2.0, 30.0), 3.0, 0.6, (60.0, 4.8), 1.6
@@ -224,6 +226,7 @@ COUPLINGS = {
 QUICK = {("pieces", "clutch"), ("table", "small clutch"), ("pieces", "freewheel"), ("table", "one way")}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("source", "name"),
     [
@@ -232,7 +235,6 @@ QUICK = {("pieces", "clutch"), ("table", "small clutch"), ("pieces", "freewheel"
         for name in COUPLINGS
     ],
 )
-@pytest.mark.few(2)
 def test_work_and_losses_where_slip_reverses_inside_a_long_step(name, source):
     block, law = COUPLINGS[name]
     model = gb.build(
@@ -265,7 +267,7 @@ def _driven(tau, *load, **start):
     ],
     ids=["free", "free from the top", "on a soft shaft", "damped", "through a gear"],
 )  # fmt: skip
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_ledger_of_twenty_thousand_steps_closes_as_that_of_a_hundred(rig, rtol):
     # a thousandth of what was exchanged so far is twenty times what one of so many steps exchanges
     run = gb.simulate(rig, t=np.linspace(0.0, 1e5, 50), rtol=rtol, method="dp5")
@@ -273,6 +275,7 @@ def test_the_ledger_of_twenty_thousand_steps_closes_as_that_of_a_hundred(rig, rt
     assert run.energy.residual < 10 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
 @pytest.mark.parametrize(
     ("constant", "swing", "frequency", "torque"),

@@ -48,7 +48,7 @@ def _train(ratio: float | None, hold: str, peak: float, late: float) -> gb.Drive
         (None, "bearing", 1.1, 1.06),
     ],
 )
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_it_breaks_away_when_and_as_fast_as_the_load_says(
     ratio: float | None, hold: str, peak: float, late: float, method: str
 ) -> None:
@@ -69,7 +69,7 @@ def test_it_breaks_away_when_and_as_fast_as_the_load_says(
 @pytest.mark.parametrize(
     ("tau1", "tau2", "eta2"), [(0.09, 0.009, 0.9), (0.7, 0.3, 0.5), (0.2, 0.2, 0.9), (0.02, 0.3, 0.8)]
 )
-@pytest.mark.few(6)
+@pytest.mark.few(1)
 def test_a_lossy_gear_breaks_away_where_its_losses_jump(
     tau1: float, tau2: float, eta2: float, late: float, method: str
 ) -> None:
@@ -103,7 +103,7 @@ def test_a_lossy_gear_breaks_away_where_its_losses_jump(
         ((0.02, 0.07, 0.8), (0.026, 0.9), 0.0),
     ],
 )
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 def test_two_lossy_gears_at_rest_hold_what_any_split_between_them_can(
     loaded: tuple[float, float, float], carried: tuple[float, float], late: float, method: str
 ) -> None:

@@ -24,6 +24,7 @@ RISES = {
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name not in QUICK)) for name in RISES])
+@pytest.mark.few(1)
 def test_a_torque_that_rises_softly_drives_from_rest(name):
     torque, right = RISES[name]
     rig = gb.Drivetrain("soft")
@@ -35,6 +36,7 @@ def test_a_torque_that_rises_softly_drives_from_rest(name):
             assert run.stats.steps < 2000, (method, rtol)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("power", [1, pytest.param(2, marks=pytest.mark.long), 4])
 def test_a_soft_start_goes_through_a_shaft(power):
     rig = gb.Drivetrain("soft")

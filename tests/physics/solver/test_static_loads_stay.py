@@ -93,7 +93,7 @@ def _idle_too() -> tuple[gb.Drivetrain, dict[str, float]]:
 
 @pytest.mark.parametrize("train", [_chain, _lighter, _longer, _opposed, _branched, _geared])
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
-@pytest.mark.few(9)
+@pytest.mark.few(2)
 def test_it_stays_where_it_is(
     train: Callable[[], tuple[gb.Drivetrain, dict[str, float]]], method: str, rtol: float
 ) -> None:
@@ -106,6 +106,7 @@ def test_it_stays_where_it_is(
 
 @pytest.mark.parametrize("train", [_idle, _idle_too])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-7, 1e-8])
+@pytest.mark.few(1)
 def test_so_does_what_carries_unloaded_branches(
     train: Callable[[], tuple[gb.Drivetrain, dict[str, float]]], rtol: float
 ) -> None:
@@ -117,7 +118,7 @@ def test_so_does_what_carries_unloaded_branches(
         assert run[name] == pytest.approx(angle, rel=1e-12), name
 
 
-@pytest.mark.few(3)
+@pytest.mark.long
 @pytest.mark.parametrize(("pull", "target", "gain"), [(2.05, 17.8, 0.023), (1.1, 11.3, 0.07), (4.7, 21.9, 0.0131)])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-7, 1e-8])
 def test_a_command_that_is_rounding_alone_holds_nothing_up(

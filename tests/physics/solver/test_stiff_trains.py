@@ -65,6 +65,7 @@ def test_auto_leaves_the_explicit_method_where_stability_sets_its_steps_and_says
     assert run.stats.steps < reference.stats.steps / 10
 
 
+@pytest.mark.long
 @pytest.mark.numeric
 def test_meshes_that_hit_both_sides_are_located_by_the_implicit_method_too():
     model = gb.build(chain(swing=1.5))
@@ -99,6 +100,7 @@ def test_auto_finds_the_implicit_method_however_stiff_the_meshes_are(stiffened):
     assert np.abs(twists[0] - twists[1]).max() < 0.02 * (2e-6 + 0.1 / stiffened)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("n", "stiffened"), [(6, 1e11), (20, 1e6), (20, 1e11), (40, 1e5)])
 def test_a_trial_comes_soon_where_a_run_would_hardly_end(n, stiffened):
     # rounding of the start shakes the meshes: their vibration sets steps of 1e-10 to 1e-8 s, of which 0.05 s has millions
@@ -107,6 +109,7 @@ def test_a_trial_comes_soon_where_a_run_would_hardly_end(n, stiffened):
     assert int(re.search(r"(\d+) steps dp8", run.stats.why)[1]) <= 48
 
 
+@pytest.mark.long
 def test_auto_meets_its_tolerance_where_meshes_hit_and_changes_the_method_a_few_times_only():
     model, t = gb.build(chain(n=100, swing=1.5)), TIMES * 2
     exact, run = (gb.simulate(model, t=t, method=m, rtol=r) for m, r in (("dp8", 1e-11), ("auto", 1e-6)))
@@ -148,6 +151,7 @@ def test_an_input_function_is_differenced_in_time():
     assert np.abs(one["c.twist"] - other["c.twist"]).max() < 1e-9 * np.abs(other["c.twist"]).max() * 10
 
 
+@pytest.mark.long
 def test_angles_whose_turns_are_counted_go_on_through_implicit_steps():
     rig = gb.Drivetrain("turning pair")
     wave = gb.Fourier(cos=(0.2,))
@@ -165,6 +169,7 @@ def test_an_unknown_method_is_refused_with_the_possible_ones():
         gb.simulate(chain(n=4), t_end=1.0, method="rodass")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rtol", [1e-3, 5e-4, 1e-4])
 def test_auto_leaves_the_implicit_method_where_impacts_and_not_stability_set_the_steps(rtol):
     """Four discs whose coupling strikes 26,000 times a second: a trial of implicit steps may seem to pay, and stays."""

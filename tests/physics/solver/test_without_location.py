@@ -60,6 +60,7 @@ def _twists(run):
 LONG = [1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6, 3e-7, 1e-7, 3e-8, 1e-8]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "tolerances",
     [

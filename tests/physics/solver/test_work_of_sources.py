@@ -38,7 +38,7 @@ SOURCES = {
     [pytest.param(name, True, marks=[pytest.mark.long] * (name not in QUICK)) for name in SOURCES]
     + [pytest.param(name, False, marks=[pytest.mark.long] * (name != "a governor")) for name in SOURCES],
 )
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_the_work_of_a_source_with_conditions_is_the_energy_that_its_body_gains(name, forward):
     tau, start, end = SOURCES[name]
     rig = _body(tau, w0=start)
