@@ -36,7 +36,7 @@ COMPONENTS = re.findall(
 )
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("section", "code"), EXAMPLES, ids=[section for section, _ in EXAMPLES])
 def test_an_example_of_the_dictionary_runs(section: str, code: str) -> None:
     exec(compile(code, f"docs/modelica.md, {section}", "exec"), {})  # noqa: S102  the page's own code

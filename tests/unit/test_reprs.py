@@ -58,6 +58,7 @@ def _answers(model: gb.Model, load: str) -> Iterator[Any]:
     yield gb.frequency_response(model, load, output, [1.0, 2.0], at=None)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("module", "load"),
     [("automatic_gearbox", "wheels.J"), pytest.param("stiff_chain", "disc0.J", marks=pytest.mark.long)],

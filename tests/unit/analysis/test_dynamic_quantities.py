@@ -53,6 +53,7 @@ def test_the_dynamic_factor_is_the_peak_force_over_that_of_the_static_equilibriu
     assert found[0] >= contact * (1 - 1e-9) and found[1] >= printed * (1 - 1e-9)
 
 
+@pytest.mark.long
 def test_a_mesh_on_the_coast_side_has_the_same_factor() -> None:
     def factor(torque: float) -> float:
         rig = gb.Drivetrain("pair")
@@ -114,6 +115,7 @@ def test_a_line_is_the_amplitude_of_a_known_vibration() -> None:
         gb.line("disc.w", 3.0).of(run)
 
 
+@pytest.mark.long
 def test_period_labels_are_those_of_the_regimes(model: gb.Model) -> None:
     speeds = gb.rpm(np.array([300.0, 348.0, 360.0, 1080.0]))
     study = gb.sweep(
@@ -143,6 +145,7 @@ def test_a_standard_deviation_does_not_cancel_against_a_large_mean() -> None:
     assert gb.std("disc.w").of(run) == pytest.approx(1e-3 / np.sqrt(2), rel=1e-5)
 
 
+@pytest.mark.long
 def test_a_standard_deviation_is_that_of_the_mean_and_the_mean_square(run: gb.Trajectory) -> None:
     std, rms, mean = (q("spline.force", after=SETTLED).of(run) for q in (gb.std, gb.rms, gb.mean))
     assert std**2 == pytest.approx(rms**2 - mean**2, rel=1e-12)

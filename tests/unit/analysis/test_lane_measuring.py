@@ -61,6 +61,7 @@ def test_workers_and_chunks_change_no_bit():
             np.testing.assert_array_equal(_values(again), one)
 
 
+@pytest.mark.long
 def test_start_values_and_fixed_parameters_count():
     model = gb.build(_pair())
     arguments = {"quantity": gb.peak("mesh.force"), "steps_per_period": 100, "parameters": {"mesh.k": 2e4}}
@@ -84,6 +85,7 @@ def test_start_values_and_fixed_parameters_count():
         (_pair(), gb.peak("mesh.force"), {"initial": "static"}),
     ],
 )
+@pytest.mark.few(1)
 def test_other_trains_and_quantities_are_run_one_by_one_with_located_events(rig, quantity, more):
     arguments = {"quantity": quantity, **PERIODS, **more}
     found = gb.sweep(rig, {"w": W[:2]}, steps_per_period=400, **arguments)

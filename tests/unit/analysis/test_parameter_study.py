@@ -67,6 +67,7 @@ def processes() -> Iterator[Executor]:
         yield pool
 
 
+@pytest.mark.long
 def test_spawned_processes_change_no_bit(clutch_model: gb.Model, found: gb.Study, processes: Executor) -> None:
     assert _same(gb.sweep(clutch_model, GRID, quantity=QUANTITIES, t_end=0.5, executor=processes, chunk=5), found)
 
@@ -122,6 +123,7 @@ def test_short_paths_and_parameters_are_found(clutch_model: gb.Model) -> None:
     assert made.values[0, 0] == run["load.w"][-1]
 
 
+@pytest.mark.long
 def test_a_static_start_is_made_at_every_point() -> None:
     rig = gb.Drivetrain("sagging")
     ground, shaft = rig.add("ground", gb.Fixed()), rig.add("shaft", gb.Shaft(k=100.0, c=1.0))

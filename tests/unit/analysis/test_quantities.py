@@ -61,7 +61,7 @@ def test_values_do_not_depend_on_what_the_run_recorded(clutch_model: gb.Model, q
     assert len({float(quantity.of(run)).hex() for run in runs}) == 1
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("quantity", ALL[:11], ids=lambda q: q.name)
 def test_a_stored_run_shows_the_same_to_the_accuracy_of_its_samples(
     run: gb.Trajectory, clutch_model: gb.Model, quantity: gb.Quantity, tmp_path: Path

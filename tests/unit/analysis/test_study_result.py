@@ -56,6 +56,7 @@ def test_cases_are_one_dimension_with_their_values_along_it(cases: gb.Study) -> 
 
 @pytest.mark.parametrize("ending", [".nc", ".zarr"])
 @pytest.mark.parametrize("which", ["grid", "cases", "sections"])
+@pytest.mark.few(3)
 def test_files_keep_everything(which: str, ending: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     if ending == ".zarr":
         pytest.importorskip("zarr")

@@ -32,6 +32,7 @@ ORDERS = list(permutations(("sun_back", "sun_side", "back_one", "ring_side")))
 
 
 @pytest.mark.parametrize("order", ORDERS, ids="-".join)
+@pytest.mark.few(6)
 def test_no_definition_of_an_angle_goes_round_through_a_prescribed_one(order: tuple[str, ...]) -> None:
     assembly = assemble(flatten(_train(order).tree()))
     known = set(assembly.angles)
@@ -44,6 +45,7 @@ def test_no_definition_of_an_angle_goes_round_through_a_prescribed_one(order: tu
     find_wrapped_angles(assembly, ())
 
 
+@pytest.mark.long
 def test_the_order_of_such_shafts_does_not_change_the_motion() -> None:
     t = np.linspace(0.0, 1.0, 21)
     runs = [gb.simulate(_train(order), t=t, rtol=1e-10) for order in (ORDERS[0], ORDERS[-1])]

@@ -81,7 +81,7 @@ def test_bad_values_are_refused_in_words(make, words: str) -> None:
     assert words in str(caught.value), str(caught.value)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "block",
     [

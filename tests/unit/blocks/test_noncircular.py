@@ -27,6 +27,7 @@ def _rig(law, **mesh):
         pytest.param("table", marks=pytest.mark.long),
     ],
 )
+@pytest.mark.few(1)
 def test_a_train_with_a_ratio_law_survives_its_file(ratio_laws, name, tmp_path):
     law = ratio_laws[name]
     rig = _rig(law, backlash=gb.Backlash(half_gap=1e-4), k=400 + 20 * gb.cos(gb.driver_angle))

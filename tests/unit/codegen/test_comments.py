@@ -81,7 +81,7 @@ def _stripped(source):
     return re.sub(tokens, lambda found: found[1] or "", source, flags=re.DOTALL)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "text", [pytest.param(t, marks=[pytest.mark.long] * (t not in QUICK)) for t in ODD if "\ud800" not in t]
 )

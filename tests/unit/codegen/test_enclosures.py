@@ -101,6 +101,7 @@ class Strange(gb.Block):
     ],
     ids=["brake", "bearing", "brake with a peak"],
 )
+@pytest.mark.few(1)
 def test_feedback_of_forces_that_are_not_all_enclosed_leaves_no_trace(held):
     """Its functions were left over, without the header of what they are made of: a legal train that did not compile."""
     rig = gb.Drivetrain("x")

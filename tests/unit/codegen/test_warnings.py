@@ -60,7 +60,7 @@ RIGS = {
 QUICK = ("a speed", "switched constraints", "a prescribed angle", "gains that change")
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", [pytest.param(kind, marks=[pytest.mark.long] * (kind not in QUICK)) for kind in RIGS])
 def test_generated_c_compiles_without_a_remark(kind, tmp_path):
     for name, data in core_files().items():

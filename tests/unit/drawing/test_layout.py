@@ -94,13 +94,13 @@ def _check(rig: gb.Drivetrain, **options: Any) -> None:
 
 
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.few(9)
+@pytest.mark.few(4)
 def test_drawings_of_shipped_models_fit_a_page_and_in_them_no_box_overlaps_a_box_or_a_line(model: str) -> None:
     _check(scripts.make(model))
 
 
 @pytest.mark.parametrize(("family", "seed"), RANDOM)
-@pytest.mark.few(9)
+@pytest.mark.few(3)
 def test_drawings_of_random_trains_fit_a_page_and_in_them_no_box_overlaps_a_box_or_a_line(
     family: str, seed: int
 ) -> None:
@@ -108,7 +108,7 @@ def test_drawings_of_random_trains_fit_a_page_and_in_them_no_box_overlaps_a_box_
 
 
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.few(9)
+@pytest.mark.few(3)
 def test_values_printed_beside_the_symbols_overlap_nothing(model: str) -> None:
     _check(scripts.make(model), values=True)
 

@@ -35,6 +35,7 @@ def test_play_shows_the_side_on_which_it_is_closed(torque: float, contact: int, 
     assert _shows(rig.draw(run=run), colour)
 
 
+@pytest.mark.long
 def test_planets_show_the_contact_of_their_meshes_though_these_are_parts_of_one_block() -> None:
     rig = gb.Drivetrain("planets")
     mesh = gb.MeshLaw(k=1e7, damping_ratio=0.1, backlash=gb.Backlash(half_gap=1e-5))
@@ -53,6 +54,7 @@ def test_planets_show_the_contact_of_their_meshes_though_these_are_parts_of_one_
     assert _shows(drawing, DRIVE) and "gear.sun_mesh[4]: contact on the drive side" in str(drawing)
 
 
+@pytest.mark.long
 def test_of_elements_side_by_side_each_shows_its_own_state() -> None:
     rig = gb.Drivetrain("clutch beside a spring")
     a, b = rig.add("a", gb.Inertia(J=1.0, w0=1.0)), rig.add("b", gb.Inertia(J=1.0))

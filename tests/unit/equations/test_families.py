@@ -25,6 +25,7 @@ def _bundle(stiffness, law=None):
     return rig
 
 
+@pytest.mark.long
 def test_eight_meshes_are_printed_as_two():
     eq = scripts.make("planetary_backlash").equations()
     text, latex = str(eq), eq.latex()
@@ -39,6 +40,7 @@ def test_eight_meshes_are_printed_as_two():
     assert {"N_sun_mesh3", "φ_planet1"} <= {row[0] for row in eq.nomenclature()}
 
 
+@pytest.mark.long
 def test_values_that_differ_are_all_listed_and_long_lists_by_their_ends():
     text = str(_bundle([3.0, 4.0, 5.0]).equations())
     assert "J_hub φ_hub'' = τ_drive + Σ_i T_spring_i" in text
@@ -91,7 +93,7 @@ def test_what_is_named_one_by_one_stands_so_in_the_nomenclature():
 
 
 @pytest.mark.parametrize("name", [n for n in scripts.shipped() if n != "stiff_chain"])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_every_symbol_that_is_printed_is_in_the_nomenclature(name):
     for maker in scripts.makers(scripts.locate(name)[0]):
         _check(scripts.make(f"{name}:{maker.name}").equations().document())
@@ -127,6 +129,7 @@ def test_a_sum_has_its_symbol_in_the_nomenclature(lower):
     assert "Σ_i T_stop_i_upper" in str(eq)
 
 
+@pytest.mark.long
 def test_terms_are_a_sum_though_parts_of_another_family_stand_in_them():
     """Bodies called j1, j2, ... are a family too, of which each mesh reads the same two."""
     rig = gb.Drivetrain("set")
@@ -146,7 +149,7 @@ def test_terms_are_a_sum_though_parts_of_another_family_stand_in_them():
 
 
 @pytest.mark.parametrize(("family", "seed"), [("contact", 7002), ("friction", 7001), ("wide", 7000), ("smooth", 7002)])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_every_symbol_of_trains_that_nobody_wrote_is_in_the_nomenclature(family, seed):
     _check(build(draw(family, seed), gb).equations().document())
 

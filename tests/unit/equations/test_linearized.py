@@ -41,7 +41,7 @@ def at_random(eq, seed):
     return {x: sp.Float(drawn.uniform(0.5, 1.5)) for x in free}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", [1, 2, 3])
 @pytest.mark.parametrize(
     "effects",
@@ -86,6 +86,7 @@ def test_a_contact_whose_damping_comes_from_its_restitution_is_linearised_on_its
     assert "∂g_lash/∂θ_lash" in str(rig.equations().linearized())
 
 
+@pytest.mark.long
 def test_whole_parts_and_cycles_are_linearised_between_their_jumps():
     x = sp.Symbol("x", real=True)
     assert _diff(2 * sp.floor(3 * x) * x + 3 * sp.frac(x), x) == 2 * sp.floor(3 * x) + 3
@@ -110,7 +111,7 @@ def test_a_matrix_stands_in_brackets_where_it_fits_and_by_its_entries_where_it_d
 
 
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_shipped_models_print_their_linearised_equations(name):
     shown = scripts.make(name).equations().linearized()
     lines = str(shown).splitlines()

@@ -156,6 +156,7 @@ def _check(eq, seed):
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=[] if name in ("spline_coupling:build", "dual_clutch:build") else pytest.mark.long)
@@ -190,7 +191,7 @@ def test_the_mesh_force_of_the_readme_s_pair_fits_on_a_page():
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long) if "chain" in n else n for n in MODELS])
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 def test_all_models_are_shown_in_all_forms_with_distinct_names(name):
     eq = scripts.make(name).equations()
     document = eq.document()
@@ -204,6 +205,7 @@ def test_all_models_are_shown_in_all_forms_with_distinct_names(name):
     assert used <= set(eq.entries)
 
 
+@pytest.mark.long
 def test_two_tables_two_gaps_and_two_errors_have_two_names():
     rig = gb.Drivetrain("two")
     mesh = {
@@ -290,6 +292,7 @@ def test_each_table_has_a_symbol_of_its_own_named_by_its_part_and_field(kind):
         assert symbols.count(rf"\item[${name_latex(name)}$]") == 1
 
 
+@pytest.mark.long
 def test_parts_forms_and_symbols_can_be_asked_for():
     eq = _spur_pair().equations()
     mesh = eq.element("mesh")

@@ -19,7 +19,7 @@ from gearblocks.train.values import numbers_of
 from tests.unit.equations.latex_reader import Moving, Sheet, UnknownError, bare, of_all, read
 
 MODELS = [f"{name}:{maker.name}" for name in scripts.shipped() for maker in scripts.makers(scripts.locate(name)[0])]
-QUICK = ("dual_clutch:build", "spline_coupling:build", "modelica_examples:lossy_gear", "noncircular_cvt:dogs")
+QUICK = ("spline_coupling:build",)
 
 
 @pytest.fixture(autouse=True)
@@ -244,7 +244,6 @@ def _checked(rig, places):
 
 
 @pytest.mark.parametrize("name", [n if n in QUICK else pytest.param(n, marks=pytest.mark.long) for n in MODELS])
-@pytest.mark.few(2)
 def test_what_stands_on_paper_is_what_runs(name):
     rig = scripts.make(name)
     relative = _checked(rig, 12 if rig.equations().switched_constraints else 2)
@@ -302,6 +301,7 @@ def _measured(rig):
     )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "parts", [_joints, _measured, *(pytest.param(x, marks=pytest.mark.long) for x in (_swung, _slanted, _losses))]
 )

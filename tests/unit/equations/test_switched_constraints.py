@@ -80,7 +80,7 @@ MODES = [
 
 
 @pytest.mark.parametrize("modes", MODES, ids=str)
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_the_c_computes_what_the_equations_say_in_every_mode(modes):
     rig = _train()
     model = gb.build(rig)
@@ -155,6 +155,7 @@ def test_what_a_law_reads_of_friction_is_explained():
     assert "φ_clutch" not in text  # the relative angle moves nothing
 
 
+@pytest.mark.long
 def test_the_losses_of_a_gear_are_written_by_direction_of_the_power_and_are_those_of_the_c():
     rig = gb.Drivetrain("lossy")
     one, two = rig.add("one", gb.Inertia(J=1.0, w0=2.0)), rig.add("two", gb.Inertia(J=3.0, w0=1.0))
@@ -189,6 +190,7 @@ def test_the_torque_that_holds_two_stuck_discs_together_is_that_of_the_textbook(
     assert [sp.simplify(a / J - tau / (J1 + J2)) for a, J in zip(eq.expanded, (J1, J2), strict=True)] == [0, 0]
 
 
+@pytest.mark.long
 def test_the_torque_of_what_is_stuck_stays_short():
     """By the named torques beside it, and ratios as fractions: it was one expression of numbers with fifteen digits."""
     text = str(scripts.make("dual_clutch").equations().in_modes({"K1": 0, "K2": 1, "hill_hold": 2}))

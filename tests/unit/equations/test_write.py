@@ -175,6 +175,7 @@ def _same(one, other):
     return True
 
 
+@pytest.mark.long
 def test_the_angle_form_of_the_spline_coupling_is_the_papers():
     eq, s, names = _spline()
     I, k1, k4, r, c1, c4, kt, ct, T = _paper(s, names)  # noqa: E741

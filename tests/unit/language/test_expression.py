@@ -145,6 +145,7 @@ def test_long_sums_and_products_are_one_node_and_keep_their_text() -> None:
     assert len(sp.Add.make_args(to_sympy(functools.reduce(lambda a, b: a - b, u)))) == 1000
 
 
+@pytest.mark.long
 def test_a_train_takes_a_sum_of_a_thousand_signals() -> None:
     rig = gb.Drivetrain("many")
     torque = sum(gb.Input(f"u{i}", 1.0) for i in range(1000))

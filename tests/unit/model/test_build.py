@@ -71,6 +71,7 @@ def test_damaged_entries_of_the_cache_are_made_anew(cache: Path) -> None:
         assert _elsewhere() == [pytest.approx(1.0, rel=1e-12)]
 
 
+@pytest.mark.long
 def test_a_cache_that_vanishes_is_made_anew(cache: Path) -> None:
     for _ in range(2):
         assert _speed() == pytest.approx(1.0, rel=1e-12)

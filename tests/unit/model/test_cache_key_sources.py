@@ -46,6 +46,7 @@ def test_the_key_depends_on_contents_and_not_on_where_the_package_lies(copy: Pat
 
 
 @pytest.mark.parametrize("file", _of_every_room())
+@pytest.mark.few(6)
 def test_one_changed_byte_of_any_room_changes_the_key_of_programs(copy: Path, file: str) -> None:
     data = (copy / file).read_bytes()
     assert _digest_with(copy, file, data[:-1] + bytes([data[-1] ^ 1])) != package_digest()

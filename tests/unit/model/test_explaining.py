@@ -22,7 +22,7 @@ def _chain(seed: int) -> tuple[gb.Drivetrain, str]:
 
 
 @pytest.mark.parametrize("seed", range(8))
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_the_stiff_shaft_of_a_chain_is_named_and_so_is_the_way_out(seed: int) -> None:
     rig, stiff = _chain(seed)
     said = rig.explain()
@@ -35,7 +35,7 @@ def test_the_stiff_shaft_of_a_chain_is_named_and_so_is_the_way_out(seed: int) ->
     assert without.modes[0].rate < 0.4 * highest
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_a_stiff_shaft_limits_its_runs_too(seed: int) -> None:
     rig, stiff = _chain(seed)
@@ -44,6 +44,7 @@ def test_a_stiff_shaft_limits_its_runs_too(seed: int) -> None:
     assert any(f"'{stiff}.compliance'" in words for words in said.remedies)
 
 
+@pytest.mark.long
 def test_states_and_switches_are_counted_by_kind_and_component() -> None:
     rig, _ = _chain(0)
     rig.connect(rig.add("brake", gb.Brake(capacity=5.0)).a, rig["motor"].a)
@@ -68,6 +69,7 @@ def test_a_motion_that_decays_is_told_by_its_damper() -> None:
     assert first.rate == pytest.approx(50.0 / 1e-4, rel=1e-3)
 
 
+@pytest.mark.long
 def test_gears_in_their_gap_are_told_of_as_they_are_in_contact() -> None:
     rig = gb.Drivetrain("pair")
     pinion, wheel = rig.add("pinion", gb.Inertia(J=1e-3)), rig.add("wheel", gb.Inertia(J=4e-3))

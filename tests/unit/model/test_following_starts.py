@@ -37,11 +37,13 @@ def test_angles_follow_too():
 
 
 @pytest.mark.parametrize("given", [({}, {"w0": SPEED}), ({}, {"w0": 1.0 * SPEED}), ({"w0": 2 * SPEED}, {"w0": SPEED})])
+@pytest.mark.few(1)
 def test_what_follows_through_ties_does_so_again(given):
     model = gb.build(_pair(*given, tie=gb.IdealGear(ratio=2.0)))
     assert _speeds(model, parameters={"speed": 500}) == pytest.approx((1000 * RPM, 500 * RPM), rel=1e-14)
 
 
+@pytest.mark.long
 def test_what_follows_on_a_dependent_group_is_solved_for_again():
     rig = gb.Drivetrain("set")
     gear = rig.add("gear", gb.IdealPlanetary(ratio=2.0))
@@ -67,6 +69,7 @@ def test_studies_follow_from_point_to_point():
     assert begun.values[:, 1] == pytest.approx([3.0, 4.0], rel=1e-15)
 
 
+@pytest.mark.long
 def test_what_is_given_beside_stays():
     model = gb.build(_pair({"w0": SPEED}, {"w0": -SPEED}))
     assert _speeds(model, parameters={"speed": 500}, initial={"b.w": 7.0})[1] == 7.0
@@ -80,11 +83,13 @@ def test_a_contradiction_is_said_by_name():
         gb.simulate(model, t=[0.0], parameters={"speed": 500})
 
 
+@pytest.mark.long
 def test_an_fmu_says_what_does_not_follow(tmp_path):
     with pytest.warns(gb.GearblocksWarning, match=r"b\.w0 follow from speed here, but stay in an FMU as they are"):
         fmu_export.export(_pair({"w0": SPEED}, {"w0": -SPEED}), tmp_path / "pair.fmu")
 
 
+@pytest.mark.long
 def test_a_start_value_that_is_a_parameter_does_not_change_that():
     """It would have changed the other shaft and the frequency of the drive with it."""
     rig = _pair({"w0": SPEED}, {"w0": SPEED})

@@ -127,6 +127,7 @@ def test_one_body_alone_is_a_train() -> None:
         ),
     ],
 )
+@pytest.mark.few(1)
 def test_a_stiffness_that_falls_below_zero_within_its_cycle_is_asked_about(spring: gb.Block, words: str) -> None:
     (found,) = _doubts(_between(spring))
     assert words in found
@@ -163,7 +164,7 @@ def test_a_stiffness_that_stays_above_zero_that_inputs_decide_or_that_was_allowe
         gb.SplineCoupling(teeth=20, radius=0.03, k=3e15),
     ],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_mode_above_a_megahertz_is_found_without_computing_modes(spring: gb.Block) -> None:
     rig = _between(spring)
     (words,) = _doubts(rig)
@@ -174,6 +175,7 @@ def test_a_mode_above_a_megahertz_is_found_without_computing_modes(spring: gb.Bl
     assert 'rig.without("spring.compliance")' in words
 
 
+@pytest.mark.long
 def test_inertias_behind_ratios_and_the_ground_count_as_they_do_in_the_motion() -> None:
     rig = _chain(
         case=gb.Fixed(), spring=gb.Shaft(k=2e11), disc=gb.Inertia(J=1e-3), gear=gb.IdealGear(ratio=-3.0),
@@ -185,6 +187,7 @@ def test_inertias_behind_ratios_and_the_ground_count_as_they_do_in_the_motion() 
     assert gb.modes(rig).hertz.max() == pytest.approx(frequency, rel=1e-9)
 
 
+@pytest.mark.long
 def test_masses_on_springs_count_too() -> None:
     rig = _chain(left=gb.Mass(m=1e-3), spring=gb.Shaft(k=1e12), right=gb.Mass(m=1.0))
     (words,) = _doubts(rig)
@@ -223,7 +226,7 @@ def test_a_train_that_is_not_finished_is_described() -> None:
 
 
 @pytest.mark.parametrize("model", scripts.shipped())
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_nothing_is_asked_about_a_shipped_model(model: str) -> None:
     assert _doubts(scripts.make(model)) == []
 

@@ -37,6 +37,7 @@ X = math.radians(240)
 LAW = gb.RatioLaw.segments(0.7 / X, 0.5, X)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("phase", [-6.0, -0.5, 0.0, 1.0, 5.0, 7.0, 20.0])
 def test_a_shaft_behind_a_non_circular_pair_starts_unwound_on_any_piece_of_the_law(phase):
     rig = gb.Drivetrain("pair and shaft")
@@ -51,6 +52,7 @@ def test_a_shaft_behind_a_non_circular_pair_starts_unwound_on_any_piece_of_the_l
     assert run["shaft.twist"][0] == pytest.approx(0.0, abs=1e-14)  # F of angles up to 20 rad, right to their last digit
 
 
+@pytest.mark.long
 def test_a_relative_angle_starts_from_the_angle_of_a_geared_shaft():
     rig = gb.Drivetrain("geared clutch")
     one, two = rig.add("one", gb.Inertia(J=1.0, phi0=0.3, w0=1.0)), rig.add("two", gb.Inertia(J=1.0, phi0=0.1))

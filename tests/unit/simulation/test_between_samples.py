@@ -80,6 +80,7 @@ def test_wrong_windows_and_names_are_refused_by_name():
         run.between(0.0, 1.0, samples=1)
 
 
+@pytest.mark.long
 def test_a_spectrum_is_drawn_up_to_its_last_line_without_its_mean(tmp_path):
     run = _pendulum(t_end=40 * np.pi)
     found = run.spectrum("disc.kinetic_energy")  # 4 (1 - cos(4 t)): a mean, and one line at 2/pi Hz

@@ -54,6 +54,7 @@ def test_the_deflections_that_are_left_keep_their_forces() -> None:
     assert start["shaft_out.torque"][0] == pytest.approx(2600.0, rel=1e-12)
 
 
+@pytest.mark.long
 def test_meshes_in_a_loop_keep_their_forces_when_the_mount_of_the_ring_becomes_rigid() -> None:
     full = planetary_backlash.build()
     _, start = _carried(full, "mount.*")
@@ -62,6 +63,7 @@ def test_meshes_in_a_loop_keep_their_forces_when_the_mount_of_the_ring_becomes_r
     assert [start[m][0] for m in meshes] == pytest.approx([before[m][0] for m in meshes], rel=1e-10)
 
 
+@pytest.mark.long
 def test_a_branch_of_the_cvt_on_a_rigid_shaft_starts_as_the_ties_ask_and_the_others_as_before() -> None:
     full = noncircular_cvt.build()
     _, start = _carried(full, "shaft_0.compliance")
@@ -70,12 +72,14 @@ def test_a_branch_of_the_cvt_on_a_rigid_shaft_starts_as_the_ties_ask_and_the_oth
         assert start[name][0] == pytest.approx(before[name][0], rel=1e-12, abs=1e-12)
 
 
+@pytest.mark.long
 def test_a_static_start_is_asked_of_the_variant_where_it_has_one() -> None:
     found, start = _carried(_whine(), "shaft.compliance", initial="static")
     assert found == "static"
     assert start["mesh.contact"][0] == 1.0
 
 
+@pytest.mark.long
 def test_static_values_of_the_full_train_serve_where_the_variant_has_none() -> None:
     rig = gb.Drivetrain("on a weak spring")
     spring = gb.Shaft(torque=gb.sin(gb.twist), hysteresis=gb.Hysteresis(friction=2.0))
@@ -86,6 +90,7 @@ def test_static_values_of_the_full_train_serve_where_the_variant_has_none() -> N
     assert start["spring.twist"][0] == _first(rig, "static")["spring.twist"][0] != 0
 
 
+@pytest.mark.long
 def test_an_earlier_run_goes_on_with_what_is_stuck_still_stuck() -> None:
     rig = gb.Drivetrain("held ring")
     discs = [
@@ -122,6 +127,7 @@ def test_states_of_blocks_are_carried() -> None:
     assert np.array_equal(start["rotor.w"], run["rotor.w"][-1:])
 
 
+@pytest.mark.long
 def test_a_lossy_gear_behind_a_new_tie_starts_as_its_ratio_says() -> None:
     rig = gb.Drivetrain("lossy reduction")
     motor, pinion = rig.add("motor", gb.Inertia(J=0.3, w0=8.0)), rig.add("pinion", gb.Inertia(J=0.1, w0=0.0))

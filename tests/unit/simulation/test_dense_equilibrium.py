@@ -51,7 +51,7 @@ TRAINS = {"p1": p1, "chain": lambda: train(P4(n=8)), "held": _held, "massless": 
 
 @pytest.mark.parametrize("initial", ["static", "static_at_start"])
 @pytest.mark.parametrize("name", TRAINS)
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_dense_and_sparse_starts_agree(name, initial, monkeypatch):
     model = gb.build(TRAINS[name]())
     dense = _start(model, initial)

@@ -185,6 +185,7 @@ def test_a_free_train_under_unbalanced_torque_keeps_its_deflection_while_it_spee
     assert run["b.w"][-1] == pytest.approx(2.0, rel=1e-10)  # (8 N m)/(4 kg m2), from the first instant
 
 
+@pytest.mark.long
 def test_a_start_angle_of_one_gear_is_no_deflection_of_the_mesh():
     rig = gb.Drivetrain("turned")
     pinion, wheel = rig.add("pinion", gb.Inertia(J=0.02, phi0=0.3)), rig.add("wheel", gb.Inertia(J=0.05))
@@ -272,12 +273,13 @@ T = 0.02
         (7 * gb.cos(0 * W * gb.time + 0.25), 7 * np.cos(0.25)),
     ],
 )  # fmt: skip
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_every_excitation_has_its_mean(tau, mean):
     found = _at_rest(_held(gb.Shaft(k=1e3), tau), t_start=T, t_end=T + 1e-9)
     assert abs(found["link.twist"]) == pytest.approx(mean / 1e3, rel=EXACT)
 
 
+@pytest.mark.long
 def test_an_excitation_whose_frequency_is_zero_stays_as_it_stands():
     rig = _held(gb.Shaft(k=1e3), 5 + 3 * gb.cos(W * gb.time + 0.25))
     assert abs(_at_rest(rig, parameters={"w": 0.0})["link.twist"]) == pytest.approx(
@@ -318,6 +320,7 @@ def test_other_words_for_a_start_are_refused_with_the_near_one():
 # -- shafts without inertia, prescribed motion, ties of three shafts, sliders ---------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("c", [pytest.param(None, marks=pytest.mark.long), 2.0])
 def test_springs_in_a_row_without_inertia_between_carry_the_load_together(c):
     rig = gb.Drivetrain("in a row")
@@ -332,6 +335,7 @@ def test_springs_in_a_row_without_inertia_between_carry_the_load_together(c):
     assert gb.modes(rig).frequencies == pytest.approx([np.abs(roots[roots.imag > 0]).item()], rel=1e-9)
 
 
+@pytest.mark.long
 def test_a_train_behind_a_prescribed_speed_turns_with_its_mean():
     rig = gb.Drivetrain("prescribed")
     rig.chain(
@@ -345,6 +349,7 @@ def test_a_train_behind_a_prescribed_speed_turns_with_its_mean():
         _at_rest(rig.set({"b.w0": None}))
 
 
+@pytest.mark.long
 def test_a_planetary_set_shares_the_load_in_the_ratio_of_its_arms():
     rig = gb.Drivetrain("set")
     sun, carrier, ring = (rig.add(n, gb.Inertia(J=J)) for n, J in (("sun", 0.01), ("carrier", 0.05), ("ring", 0.1)))

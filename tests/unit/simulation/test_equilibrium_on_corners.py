@@ -27,6 +27,7 @@ def _start(rig):
     return gb.simulate(rig, t_end=1e-6, initial="static")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("backlash", "transition", "near"),
     [
@@ -162,6 +163,7 @@ def _set_behind_a_soft_shaft(k: float, error: float, torque: float, half_gap: fl
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("k", "error", "torque", "half_gap"),
     [
@@ -169,7 +171,6 @@ def _set_behind_a_soft_shaft(k: float, error: float, torque: float, half_gap: fl
         (8.0, 1.7e-4, 1.42, 1e-4), (8.0, 1.7e-4, 4.0, 1e-3), (8.0, 6e-4, 0.4, 1e-3), (1.55, 6e-4, 1.42, 1e-4),
     ],
 )  # fmt: skip
-@pytest.mark.few(3)
 def test_full_steps_that_lead_back_to_the_same_contacts_are_followed_by_short_ones(k, error, torque, half_gap):
     """Sun and shafts stand still, the carrier follows the ring as the numbers of teeth say (Willis)."""
     rig = _set_behind_a_soft_shaft(k, error, torque, half_gap)

@@ -25,7 +25,7 @@ def _rattling(seed: int) -> tuple[gb.Drivetrain, str]:
 
 
 @pytest.mark.parametrize("seed", range(8))
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_the_coupling_that_rattles_is_named_with_its_events(seed: int) -> None:
     rig, loose = _rattling(seed)
     run = gb.simulate(rig, t_end=1.0)
@@ -59,6 +59,7 @@ def test_samples_and_inputs_change_nothing() -> None:
     assert any("tables" in words for words in by_steps.explain().remedies)
 
 
+@pytest.mark.long
 def test_a_chattering_brake_is_named_among_others() -> None:
     rig = gb.Drivetrain("brakes")
     parts = [rig.add("motor", gb.Inertia(J=0.1, w0=5.0))]

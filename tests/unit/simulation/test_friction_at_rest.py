@@ -55,6 +55,7 @@ def test_what_slides_at_the_start_acts_with_its_friction():
     assert run["two.alpha"][0] == pytest.approx(acceleration, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_stuck_clutch_in_a_loop_of_shafts_keeps_what_it_has_and_shares_by_stiffness():
     rig = gb.Drivetrain("loop")
     one, two, three = (rig.add(n, gb.Inertia(J=1.0)) for n in ("one", "two", "three"))
@@ -95,6 +96,7 @@ def test_a_load_presses_a_spring_as_far_as_a_stop(load, one, push):
     assert run["stop.torque"] == pytest.approx(push, rel=EXACT, abs=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("load", "twist"), [(6.0, 0.1), (-6.0, 0.0)])
 def test_a_freewheel_carries_one_way_only(load, twist):
     """It drives b forward (w_b < w_a is prevented): a load on a goes through it, or turns a freely."""
@@ -123,6 +125,7 @@ def test_friction_alone_holds_a_train_without_drift():
         assert np.ptp(run[name]) == 0.0, name
 
 
+@pytest.mark.long
 def test_static_at_start_balances_what_acts_at_that_instant():
     rig = gb.Drivetrain("driven")
     one = rig.add("one", gb.Inertia(J=1.0))
@@ -143,6 +146,7 @@ def test_a_rigid_train_that_a_brake_cannot_hold_is_named():
         gb.simulate(rig, t_end=1.0, initial="static")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("torque", [1.0, -1.0, 20.0])
 def test_where_all_is_stuck_everything_stays_where_it_stands(torque):
     rig = gb.Drivetrain("hoist")
@@ -154,6 +158,7 @@ def test_where_all_is_stuck_everything_stays_where_it_stands(torque):
     assert abs(run["shaft.torque"]).max() == 0.0
 
 
+@pytest.mark.long
 def test_a_brake_on_a_single_body_has_nothing_to_solve():
     rig = gb.Drivetrain("block")
     rig.chain(

@@ -47,6 +47,7 @@ def test_values_events_and_losses_are_those_of_the_trajectory(rattling: gb.Model
 
 
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.few(1)
 def test_what_an_output_is_along_the_run_is_that_of_very_many_samples(rattling: gb.Model, method: str) -> None:
     t = np.linspace(0.0, 1.0, 200_001)
     fine = gb.simulate(rattling, t=t, method=method)["lash.torque"]
@@ -85,6 +86,7 @@ def test_integrals_over_jumps_and_peaks_within_steps_are_those_of_closed_forms(m
     assert found.along_run(swing[0]) == pytest.approx(0.0, abs=3e-6 * abs(still))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 def test_a_peak_lies_on_the_solution_however_long_the_steps_are(method: str) -> None:
     rig = gb.Drivetrain("swing")
@@ -119,6 +121,7 @@ def test_windows_cut_the_solution_and_not_its_steps(rattling: gb.Model) -> None:
     assert max(map(found.along_run, peaks)) == pytest.approx(found.along_run(whole[1]), rel=1e-9)
 
 
+@pytest.mark.long
 def test_squares_of_large_outputs_do_not_overflow() -> None:
     rig = gb.Drivetrain("heavy")
     drive = rig.add("drive", gb.Torque(tau=1e170 * gb.sin(2 * np.pi * gb.time)))

@@ -13,6 +13,7 @@ from gearblocks.simulation.trajectory import Trajectory
 
 
 @pytest.mark.parametrize("ending", [".png", ".svg", ".pdf"])
+@pytest.mark.few(1)
 def test_a_plot_is_written_and_returned(make_run: Callable[..., Trajectory], tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"bild{ending}"
     figure = make_run(columns={"mesh.force": np.arange(4.0), "a.w": np.ones(4)}).plot("mesh.*", "a.w", path=path)

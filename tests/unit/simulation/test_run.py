@@ -104,6 +104,7 @@ class _Signum(gb.Block):
         yield gb.Acts(s.a, -2 * sp.sign(s.a.w))
 
 
+@pytest.mark.long
 def test_friction_written_as_a_sign_in_a_block_holds_at_rest() -> None:
     load = _Signum()
     rig = _train(gb.Torque(tau=sp.sin(gb.time)), gb.Inertia(J=1.0, w0=0.1), load)
@@ -180,6 +181,7 @@ def test_a_continued_run_keeps_the_contact_it_ended_in():
     assert second["body.w"][0] == first["body.w"][-1]
 
 
+@pytest.mark.long
 def test_a_continued_run_keeps_the_parameters_of_the_first():
     rig = gb.Drivetrain("push")
     rig.chain(rig.add("drive", gb.Torque(tau=1.0)), rig.add("body", gb.Inertia(J=1.0)))
@@ -208,6 +210,7 @@ def test_events_that_do_not_let_the_run_end_stop_it_by_the_name_of_the_element(b
     assert caught.value.time == pytest.approx(1e-4, rel=0.01)
 
 
+@pytest.mark.long
 def test_the_record_of_a_run_is_bounded(ball: gb.Model, monkeypatch: pytest.MonkeyPatch) -> None:
     from gearblocks.simulation import run
 

@@ -96,6 +96,7 @@ def test_files_hold_what_is_read(model: gb.Model, tmp_path: Path) -> None:
     assert np.array_equal(read["t"], run.t) and len(read.dtype) == 1 + len(run)
 
 
+@pytest.mark.long
 def test_a_run_with_many_samples_keeps_them_once() -> None:
     rig = gb.Drivetrain("one")
     rig.add("motor", gb.Inertia(J=1.0, w0=1.0))
@@ -143,6 +144,7 @@ def _alike(count: int) -> gb.Drivetrain:
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [1, 3, pytest.param(9, marks=pytest.mark.long)])  # one by one, and in a loop
 def test_an_output_alone_has_the_bits_of_all_of_them(count: int) -> None:
     run = gb.simulate(_alike(count), t_end=0.02)

@@ -31,7 +31,7 @@ def test_a_friction_table_that_a_run_leaves_is_named_once_with_how_far() -> None
     assert (row.times, row.first, row.high) == (1, 0.0, 8.0)
 
 
-@pytest.mark.few(2)
+@pytest.mark.long
 @pytest.mark.parametrize(("table", "w0"), [
     (gb.Table([0, 1, 2], [0.5, 1.0, 1.0]), 8.0),
     (gb.Table([0, 1], [0.5, 1.0], extrapolate="linear"), 8.0),
@@ -43,6 +43,7 @@ def test_a_table_that_ends_level_goes_on_or_is_not_left_says_nothing(table: gb.T
     assert not any(row.times for row in run.watched.tables)
 
 
+@pytest.mark.long
 def test_rows_of_a_loss_table_are_watched_where_the_housing_stands_still() -> None:
     rig = gb.Drivetrain("losses")
     gear = rig.add("gear", gb.LossyGear(ratio=2, loss_table=((0, 0.9, 0.9, 0, 0), (1, 0.8, 0.8, 0, 0))))
@@ -55,6 +56,7 @@ def test_rows_of_a_loss_table_are_watched_where_the_housing_stands_still() -> No
     assert gb.simulate(rig, t_end=1.0).watched.tables == ()
 
 
+@pytest.mark.long
 def test_tables_of_the_parts_of_a_composite_block_are_watched() -> None:
     rig = gb.Drivetrain("box of losses")
     box = gb.Gearbox(ratio=2, loss_table=((0, 0.9, 0.9, 0, 0), (1, 0.8, 0.8, 0, 0)), k=1e4, c=1.0)
@@ -89,6 +91,7 @@ def _pair(load: Any, *, c: float = 100.0, mesh: dict[str, Any] | None = None) ->
     return rig
 
 
+@pytest.mark.long
 def test_the_rattle_says_how_often_its_teeth_would_have_parted(scenes: dict[str, Any]) -> None:
     plain = scenes["rattle"]().without("mesh.backlash")
     with pytest.warns(
@@ -107,6 +110,7 @@ def test_the_rattle_says_how_often_its_teeth_would_have_parted(scenes: dict[str,
     assert row.low < 0 < row.high
 
 
+@pytest.mark.long
 def test_the_whine_stays_silent(scenes: dict[str, Any]) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -133,9 +137,9 @@ def test_a_watch_changes_nothing_of_the_run_and_can_be_switched_off() -> None:
     assert watched.stats.steps == bare.stats.steps
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("quiet")
 @pytest.mark.parametrize("seed", range(6))
-@pytest.mark.few(2)
 def test_changes_of_sign_are_those_of_a_fine_look_but_for_dips_within_a_step(seed: int) -> None:
     random = np.random.default_rng(seed)
     low, high = sorted(random.uniform(20, 400, 2))
@@ -216,6 +220,7 @@ def test_a_frequency_near_the_mode_of_a_shaft_made_rigid_is_said() -> None:
     assert run.watched.unwatched == ("shaft.damping",)
 
 
+@pytest.mark.long
 def test_a_run_up_meets_the_mode_when_its_mesh_frequency_does() -> None:
     rig = gb.Drivetrain("run-up")
     ramp = gb.Speed(w=gb.Table([0.0, 1.0], [0.0, 150.0]))
@@ -234,6 +239,7 @@ def test_a_run_up_meets_the_mode_when_its_mesh_frequency_does() -> None:
     assert row.first == pytest.approx(0.8 * natural / (20 * 150.0), rel=0.02)
 
 
+@pytest.mark.long
 def test_what_was_left_out_is_known_through_further_changes_and_inside_trains(quiet: None) -> None:
     plain = _pair(5 * gb.sin(40 * gb.time)).without("mesh.backlash").set({"mesh.k": 2e8}).without("mesh.damping")
     assert plain.left_out().names == ("mesh.damping", "mesh.backlash")

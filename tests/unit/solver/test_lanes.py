@@ -66,6 +66,7 @@ def _all(model, rows, step, threads=1, **how):
 
 @pytest.mark.numeric
 @pytest.mark.parametrize("name", TRAINS)
+@pytest.mark.few(1)
 def test_every_output_at_every_step_has_the_bits_of_a_single_run(name):
     make, path, step = TRAINS[name]
     model = gb.build(make())
@@ -115,6 +116,7 @@ def test_an_excitation_that_repeats_is_computed_once():
     assert not np.array_equal(tabulated.last, stepwise.last)
 
 
+@pytest.mark.long
 def test_an_excitation_that_does_not_repeat_is_computed_step_by_step():
     model = gb.build(_pair(shared=False))
     rows, _ = _points(model, "w", 4)

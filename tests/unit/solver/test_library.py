@@ -41,6 +41,7 @@ def test_another_text_is_another_library(program: Callable[..., Program], oscill
         pytest.param(modelica_examples.coupled_clutches, marks=pytest.mark.long),
     ],
 )
+@pytest.mark.few(1)
 def test_a_level_of_optimisation_changes_no_bit(
     train: Callable[[], gb.Drivetrain], monkeypatch: pytest.MonkeyPatch
 ) -> None:

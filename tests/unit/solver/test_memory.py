@@ -40,6 +40,7 @@ OTHERS = [
 
 
 @pytest.mark.parametrize("make", [p1, p2, _geared])
+@pytest.mark.few(1)
 def test_what_ran_before_changes_no_bit(make):
     model = gb.build(make())
     expected = _bits(gb.simulate(model, **ASKED))

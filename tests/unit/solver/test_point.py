@@ -56,6 +56,7 @@ def test_at_their_means_time_no_longer_matters():
 
 @pytest.mark.parametrize("means", [False, True])
 @pytest.mark.parametrize("problem", [P4(n=40), P4(n=41)], ids=["even", "odd"])
+@pytest.mark.few(1)
 def test_the_derivatives_of_the_laws_are_those_that_differences_find(problem, means):
     model = gb.build(train(problem))
     with model.library.open() as sim:

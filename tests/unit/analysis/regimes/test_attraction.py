@@ -21,6 +21,7 @@ def _wells(oscillator: Oscillator) -> gb.Drivetrain:
     return oscillator(lambda drive, x, v: 0.1 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.15)
 
 
+@pytest.mark.long
 def test_each_start_has_the_attractor_that_another_program_ends_on(oscillator: Oscillator, tmp_path: Path) -> None:
     from scipy.integrate import solve_ivp
 

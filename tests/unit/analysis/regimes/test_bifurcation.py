@@ -62,6 +62,7 @@ def test_labels_say_which_protocol_they_come_from(oscillator: Oscillator, tmp_pa
     assert "2 values of force" in repr(full)
 
 
+@pytest.mark.long
 def test_full_labels_are_the_same_on_any_workers(oscillator: Oscillator) -> None:
     gain = gb.Parameter("gain", 0.0)
     model = gb.build(oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + gain * v - x**3 * gain, k=2.0, c=0.1))
@@ -79,6 +80,7 @@ def test_full_labels_are_the_same_on_any_workers(oscillator: Oscillator) -> None
         gb.bifurcation(model, "gain", [0.0], section=SECTION, threads=2)
 
 
+@pytest.mark.long
 def test_a_point_that_diverges_is_named_and_its_neighbours_are_as_they_were(oscillator: Oscillator) -> None:
     gain = gb.Parameter("gain", 0.0)
     rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + gain * v, k=2.0, c=0.1)
@@ -109,6 +111,7 @@ GAINS = np.linspace(-0.2, 1.0, 10)
 FREE: dict[str, Any] = {"section": SECTION, "of": "disc.phi", "transient": 2000, "keep": 33, "carry": False}
 
 
+@pytest.mark.long
 def test_a_diagram_from_the_start_is_a_study_whose_diverging_points_are_named(
     oscillator: Oscillator, tmp_path: Path
 ) -> None:
@@ -127,6 +130,7 @@ def test_a_diagram_from_the_start_is_a_study_whose_diverging_points_are_named(
     assert found.to_xarray().sizes["direction"] == 1 and "start: 7 diverged, 3 quick: period 1" in repr(found)
 
 
+@pytest.mark.long
 def test_a_diagram_that_was_killed_and_goes_on_is_the_undisturbed_one(oscillator: Oscillator, tmp_path: Path) -> None:
     rig = _grows(oscillator)
     whole = gb.bifurcation(rig, "gain", GAINS, **FREE)

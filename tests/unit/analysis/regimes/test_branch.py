@@ -39,6 +39,7 @@ def _harmonic_balance(phase: float, harmonics: int = 9) -> float:
     return float(found.x[-1])
 
 
+@pytest.mark.long
 def test_folds_of_duffing_are_those_of_its_harmonic_balance(oscillator: Oscillator, tmp_path: Path) -> None:
     from scipy.optimize import minimize_scalar
 
@@ -138,6 +139,7 @@ def test_a_damping_that_turns_negative_is_a_torus(oscillator: Oscillator) -> Non
     assert mark.kind == "torus" and mark.bracket[0] - 1e-7 < 0.0 < mark.bracket[1] + 1e-7 and mark.direction is None
 
 
+@pytest.mark.long
 def test_a_branch_that_grazes_a_stop_ends_there_and_says_so() -> None:
     rig, F, drive = gb.Drivetrain("stop"), gb.Parameter("F", 0.2), gb.Parameter("drive", 1.0, "rad/s")
     source = rig.add("source", gb.Torque(tau=F * gb.cos(drive * gb.time)))
@@ -180,6 +182,7 @@ def test_where_no_orbit_stands_apart_it_is_said(oscillator: Oscillator) -> None:
         gb.continue_orbit(rig, "drive", (1.0, 2.0), **ASK)
 
 
+@pytest.mark.long
 def test_an_orbit_that_is_known_can_be_the_begin(oscillator: Oscillator) -> None:
     rig = oscillator(lambda drive, x, v: 1e-3 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.25)
     orbit = gb.periodic_orbit(rig, SECTION, transient=0)  # on the hill between the wells

@@ -21,6 +21,7 @@ def run() -> gb.Trajectory:
     return gb.simulate(rig, t=[0.0, 10.0], max_step=2e-3)
 
 
+@pytest.mark.long
 def test_tracks_are_the_amplitudes_that_were_given_at_every_speed(run: gb.Trajectory, tmp_path: Path) -> None:
     found = gb.orders(run, "disc.w", "shaft.w")
     assert found.speed[0] > 20 and found.speed[-1] < 60 and (np.diff(found.speed) > 0).all()

@@ -28,7 +28,7 @@ def _van_der_pol(drive: Any, x: Any, v: Any) -> Any:
     ("label", "torque", "numbers"),
     [
         ("period 1", lambda drive, x, v: gb.cos(drive * gb.time), {"k": 1.44, "c": LIGHT}),  # turns by a fifth
-        ("quasi-periodic", _sum(1.5 + 1e-7), {"k": 3.0, "c": 0.2}),
+        pytest.param("quasi-periodic", _sum(1.5 + 1e-7), {"k": 3.0, "c": 0.2}, marks=pytest.mark.long),
         ("period 2", _sum(1.5), {"k": 3.0, "c": 0.2}),
         ("period 2", _sum(0.5, 4e-6), {"k": 3.0, "c": 0.2}),
         ("period 3", _sum(1 / 3, 1e-4), {"k": 3.0, "c": 0.2}),
@@ -45,6 +45,7 @@ def test_motions_get_their_labels(oscillator: Oscillator, label: str, torque: An
         assert found.label == f"period {found.period}" == f"period {found.orbit.periods}"
 
 
+@pytest.mark.long
 def test_a_motion_whose_period_is_longer_than_was_looked_for_is_told_by_its_exponents(oscillator: Oscillator) -> None:
     # x'' + 0.3 x' - x + x^3 = force cos 1.2 t: period 5 at 0.37
     rig = oscillator(lambda drive, x, v: 0.37 * gb.cos(drive * gb.time) + 2 * x - x**3, c=0.3)
@@ -52,7 +53,7 @@ def test_a_motion_whose_period_is_longer_than_was_looked_for_is_told_by_its_expo
     assert found.label == "period 5", found.evidence
 
 
-@pytest.mark.few(2)
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("label", "second", "longest"),
     [("period 2", 1.5, 1), ("quasi-periodic", 1.5 + 1e-7, 1), ("period 11", 12 / 11, 4), ("quasi-periodic", 2**0.5, 2)],

@@ -19,6 +19,7 @@ def _linear(oscillator: Oscillator) -> gb.Drivetrain:
     return oscillator(lambda drive, x, v: gb.cos(drive * gb.time), k=1.0, c=0.2)
 
 
+@pytest.mark.long
 def test_the_response_of_a_linear_train_is_that_of_its_equation_and_has_no_jump(oscillator: Oscillator) -> None:
     found = gb.speed_sweep(_linear(oscillator), "drive", SPEEDS, of="disc.phi", rtol=1e-10)
     amplitude = 1.0 / np.abs(1.0 - SPEEDS**2 + 0.2j * SPEEDS)  # 5 at the resonance, 1 beside: steep, no jump

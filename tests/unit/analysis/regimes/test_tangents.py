@@ -125,7 +125,7 @@ MADE = {
 }
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("made", MADE)
 def test_tangents_are_what_differences_of_runs_come_to(made: Callable[[Any], gb.Drivetrain]) -> None:
     rig = made(gb.Parameter("drive", 1.0, "rad/s"))
@@ -141,7 +141,7 @@ def test_tangents_are_what_differences_of_runs_come_to(made: Callable[[Any], gb.
         assert np.abs(run.maps[-1] @ direction - difference).max() <= tolerance
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("made", "path"), [(made, path) for made, paths in MADE.items() for path in paths])
 def test_the_tangent_by_a_parameter_is_what_differences_of_trains_come_to(
     made: Callable[[Any], gb.Drivetrain], path: str

@@ -28,6 +28,7 @@ def _values(scene: gb.Scene, rig: gb.Drivetrain, **how: Any) -> np.ndarray[Any, 
     return np.array([m.of(run) for m in scene.measures])  # type: ignore[union-attr]
 
 
+@pytest.mark.long
 def test_the_fitted_train_run_as_it_says_is_within_the_accuracy(discs_scene: gb.Scene, best: Any) -> None:
     full = _values(discs_scene, discs_scene.drivetrain, rtol=1e-10)
     how: dict[str, Any] = {"method": best.method, "rtol": best.rtol, "step": best.step, "locate": best.locate}
@@ -120,6 +121,7 @@ def test_where_it_does_not_hold_is_said(pushed: Callable[..., gb.Drivetrain]) ->
     assert "stops holding at load -10 %" in said or "does not hold around the scene (load -10 %" in said
 
 
+@pytest.mark.long
 def test_a_scene_that_scatters_is_told_to_be_a_mean(hammer: Callable[..., gb.Drivetrain]) -> None:
     rig = hammer()
     rig.connect(rig.add("seal", gb.BearingFriction(viscous=1e-12)).a, rig["disc"].b)

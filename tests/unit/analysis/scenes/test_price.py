@@ -62,6 +62,7 @@ def test_an_unknown_row_is_named(discs_price: Any) -> None:
         discs_price["bearing.windag"]
 
 
+@pytest.mark.long
 def test_a_gap_that_never_opens_is_not_needed_and_gains_nothing() -> None:
     rig = gb.Drivetrain("pressed")
     disc, wall = rig.add("disc", gb.Inertia(J=0.1)), rig.add("wall", gb.Fixed())
@@ -90,6 +91,7 @@ def test_effects_of_users_blocks_that_cancel_go_together(pushed: Callable[..., g
     assert set(gb.fit(scene).dropped) >= {"left.bias", "right.bias"}
 
 
+@pytest.mark.long
 def test_what_matters_only_beside_another_is_found() -> None:
     rig = gb.Drivetrain("held twice")
     disc = rig.add("disc", gb.Inertia(J=0.1, phi0=1.0))
@@ -106,6 +108,7 @@ def test_what_matters_only_beside_another_is_found() -> None:
     assert f"together needed: {smallest.name}" in price.sentence
 
 
+@pytest.mark.long
 def test_alike_parts_are_one_row_and_a_quantity_that_goes_is_said() -> None:
     rig = gb.Drivetrain("chain")
     parts: list[Any] = [rig.add("drive", gb.Torque(tau=gb.sin(30 * gb.time)))]
@@ -133,6 +136,7 @@ def test_an_event_that_there_is_only_with_an_effect_is_needed_and_can_be_said() 
     assert "lash.backlash" in str(price)
 
 
+@pytest.mark.long
 def test_a_train_that_does_not_run_without_is_said_with_its_reason() -> None:
     rig = gb.Drivetrain("two speeds")
     rig.chain(

@@ -40,6 +40,7 @@ def test_a_motion_that_scatters_is_a_mean_though_two_runs_agree(hammer_scene: gb
     assert (found.errors >= 0.3 * spread * np.abs(found.values)).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("runs", [4, pytest.param(16, marks=pytest.mark.long)])
 def test_of_20_intervals_17_and_more_cover_the_mean_of_many_runs(
     hammer_scene: gb.Scene, runs: int, monkeypatch: pytest.MonkeyPatch

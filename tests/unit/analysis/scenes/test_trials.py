@@ -51,6 +51,7 @@ def test_verdicts(trials: Trials, whole: Estimate, without: Estimate, expected: 
     assert isinstance(judgement.worst, str)
 
 
+@pytest.mark.long
 def test_a_change_of_nothing_is_never_needed_in_a_chaotic_motion(hammer: Callable[..., gb.Drivetrain]) -> None:
     # a seal without any drag to speak of: two runs, with and without, differ by tens of percent all the same
     rig = hammer(0.53)

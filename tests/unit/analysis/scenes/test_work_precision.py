@@ -47,6 +47,7 @@ def _point(found: WorkPrecision, method: str, rtol: float, locate: bool = True) 
     return next(p for p in found.points if p.effort == Effort(method, rtol, None, locate))
 
 
+@pytest.mark.long
 def test_every_point_is_that_of_a_direct_run(scene: gb.Scene, found: WorkPrecision) -> None:
     fixed = next(p for p in found.points if p.effort.step and p.effort.locate)
     chosen = [_point(found, "dp8", 1e-4), _point(found, "auto", 1e-2), _point(found, "dp5", 1e-3, False), fixed]
@@ -155,6 +156,7 @@ def test_a_train_without_events_has_nothing_to_locate() -> None:
     assert found.reference.values[0] == pytest.approx(np.sqrt(np.trapezoid(speed**2, t) / 3.0), rel=1e-8)
 
 
+@pytest.mark.long
 def test_where_the_motion_scatters_errors_are_those_of_means() -> None:
     rig, turn = scripts.make("spline_coupling:chaos"), TURN / 3
     asked = gb.peak("spline.force", after=60 * turn)

@@ -54,6 +54,7 @@ class Hysteresis(gb.Block):
         yield gb.Shows("torque", self_force, "N m")
 
 
+@pytest.mark.long
 def test_states_of_blocks_couple_with_their_shafts(check):
     rig = between(Hysteresis(k=20.0), gb.Shaft(k=30.0, c=0.1), Hysteresis(k=5.0))
     motor = rig.add("motor", Motor(u=12.0 * gb.sin(gb.time)))
@@ -74,7 +75,7 @@ FEEDBACKS = {
 }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=pytest.mark.long) if name in ("speed", "angle", "force") else name for name in FEEDBACKS],
@@ -96,6 +97,7 @@ def test_a_motor_that_is_fed_by_a_speed_control(check):
     check(rig)
 
 
+@pytest.mark.long
 def test_a_sensed_output_with_a_limit_of_its_own_has_the_slope_of_its_side(check):
     tau = -2 * gb.sense("motor.limited") * gb.sense("disc1.w")
     rig = between(gb.Shaft(k=20.0), ends=(gb.Torque(tau=tau),))

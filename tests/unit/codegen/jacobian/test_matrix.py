@@ -27,6 +27,7 @@ def test_the_shipped_spline_coupling(check):
     assert check(make("spline_coupling"), angle=1e-3, speed=0.1).is_tree
 
 
+@pytest.mark.long
 def test_a_long_chain_to_the_ground_is_eliminated_from_both_ends(check):
     links = [gb.Shaft(k=100.0 + i, c=0.1 * i) if i % 2 else gb.Lash(k=50.0, half_gap=0.3, c=0.2) for i in range(40)]
     pattern = check(between(*links, ends=(gb.Shaft(k=3.0, c=1.0), gb.Fixed())))
@@ -34,6 +35,7 @@ def test_a_long_chain_to_the_ground_is_eliminated_from_both_ends(check):
     assert pattern.order[:4] == (0, 40, 1, 39)
 
 
+@pytest.mark.long
 def test_damping_ratios_clipped_dampers_and_loads(check):
     mesh = gb.GearMesh(
         teeth=(20, 33), external=True, r_base=(0.2, 0.33), k=300.0, damping_ratio=0.1,
@@ -45,6 +47,7 @@ def test_damping_ratios_clipped_dampers_and_loads(check):
     check(between(gb.Shaft(k=50.0, damping_ratio=0.1), mesh, pushing, ends=(gb.SpeedLoad(coeffs=(1.0, 2.0, 3.0)),)))
 
 
+@pytest.mark.long
 def test_a_mesh_over_the_angle_with_a_carrier_that_turns(check):
     rig = gb.Drivetrain("epicyclic")
     bodies = [rig.add(n, gb.Inertia(J=j)) for n, j in (("sun", 1.0), ("planet", 0.5), ("arm", 2.0), ("ring", 3.0))]
