@@ -19,8 +19,8 @@ def shell(encoding: str, *arguments: str) -> tuple[int, bytes, bytes]:
     return done.returncode, done.stdout, done.stderr
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
-@pytest.mark.few(1)
 def test_equations_are_printed_in_a_narrow_encoding(encoding: str) -> None:
     status, out, err = shell(encoding, "equations", "spline_coupling")
     assert (status, err) == (0, b"")

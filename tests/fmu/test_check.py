@@ -135,6 +135,7 @@ def test_nothing_is_loaded_where_a_check_before_it_fails(given: Foreign, failed:
     assert set(verdicts(report)) <= {*GATE, "sources", "run"}
 
 
+@pytest.mark.long
 def test_loading_a_library_is_left_to_another_process_and_to_the_last(tmp_path: Path) -> None:
     """The library writes a file when it is loaded: not where the description fails, and not by this process."""
     trace = tmp_path / "loaded"
@@ -147,6 +148,7 @@ def test_loading_a_library_is_left_to_another_process_and_to_the_last(tmp_path: 
     assert str(tmp_path) not in Path("/proc/self/maps").read_text(encoding="utf-8") if Path("/proc").is_dir() else True
 
 
+@pytest.mark.long
 def test_a_step_that_never_ends_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(check_fmu, "SECONDS_OF_ONE", 5.0)
     monkeypatch.setattr(check_fmu, "DEATHS", 1)
@@ -174,6 +176,7 @@ def test_an_archive_that_would_fill_the_disk_is_not_unpacked(packed: Path, tmp_p
     assert set(verdicts(report)) == {"archive", "description"}
 
 
+@pytest.mark.long
 def test_a_stop_time_that_no_run_reaches_ends_with_words(model: Model, tmp_path: Path) -> None:
     report = fmu_export.check(fmu_export.export(model, tmp_path / "long.fmu", t_end=1e300, patience=0.0))
     assert verdicts(report)["run"] is False

@@ -82,6 +82,7 @@ def test_units_are_written_in_base_units_with_known_display_factors(packed: Path
     assert shown["deg"] * math.pi == pytest.approx(180.0, rel=1e-15)
 
 
+@pytest.mark.long
 def test_an_output_named_like_a_parameter_is_shown_beside_it(model: Model, tmp_path: Path) -> None:
     quantity = model.program.outputs[3]._replace(name="spring.k")
     outputs = OutputList.of([*model.program.outputs[:3], quantity, *model.program.outputs[4:]])
@@ -105,6 +106,7 @@ def test_only_the_chosen_outputs_are_shown(model: Model, tmp_path: Path) -> None
     assert fmu_export.check(path, t_end=0.01).ok
 
 
+@pytest.mark.long
 def test_the_token_changes_with_everything_that_changes_the_run(
     model: Model, make_model: MODELS, tmp_path: Path
 ) -> None:
@@ -130,6 +132,7 @@ def test_given_parameters_become_the_start_values(model: Model, tmp_path: Path) 
     assert fmu_export.check(path, t_end=0.02).ok
 
 
+@pytest.mark.long
 def test_a_given_start_state_replaces_the_start_parameters(model: Model, tmp_path: Path) -> None:
     path = fmu_export.export(model, tmp_path / "start.fmu", initial=START, t_end=0.02)
     root = description(path)
@@ -139,6 +142,7 @@ def test_a_given_start_state_replaces_the_start_parameters(model: Model, tmp_pat
     assert fmu_export.check(path).ok
 
 
+@pytest.mark.long
 def test_start_values_by_name_set_the_start_parameters(model: Model, tmp_path: Path) -> None:
     program = replace(model.program, starts=(StartInfo("wheel.phi", 6, 1.0),))
     named = Model(program, model.library, model.values)
@@ -147,6 +151,7 @@ def test_start_values_by_name_set_the_start_parameters(model: Model, tmp_path: P
     assert fmu_export.check(path).ok
 
 
+@pytest.mark.long
 def test_the_name_may_be_any_text(make_model: MODELS, tmp_path: Path) -> None:
     name = 'Prüfstand "1" <50 %> \\ */'
     folder = tmp_path / "mit Umlaut ä und Leerzeichen"
@@ -171,7 +176,7 @@ def test_sources_compile_in_an_empty_folder_without_a_warning(unpacked: Unpacked
     ],
     ids=["warning", "error in a header", "warning in the model"],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_sources_that_differ_from_those_that_compiled_are_compiled_again(
     unpacked: Unpacked, tmp_path: Path, name: str, change: Callable[[str], str], words: str
 ) -> None:

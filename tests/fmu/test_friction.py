@@ -62,6 +62,7 @@ def test_a_train_with_friction_passes_every_check(make: Callable[[], gb.Drivetra
         for step in (1e-1, 1e-2, 1e-3, LOCK_UP / 4)
     ],
 )
+@pytest.mark.few(1)
 def test_the_file_has_the_bits_of_the_run_at_every_communication_step(
     make: Callable[[], gb.Drivetrain], step: float, tmp_path: Path
 ) -> None:
@@ -89,6 +90,7 @@ def test_heat_of_a_lock_up_does_not_depend_on_the_communication_step(tmp_path: P
     assert run.energy.dissipated["clutch"] == pytest.approx(heat, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("make", "at"), [(_lock_up, 1.32), pytest.param(_busy, 0.31, marks=pytest.mark.long)])
 def test_a_state_that_is_saved_before_a_lock_up_gives_the_same_bits_again(
     make: Callable[[], gb.Drivetrain], at: float, tmp_path: Path, unpacker: Callable[[Path, Path], Unpacked]
@@ -125,6 +127,7 @@ def test_a_state_that_is_saved_before_a_lock_up_gives_the_same_bits_again(
         instance.fmu.freeFMUstate(saved)
 
 
+@pytest.mark.long
 def test_an_input_that_overloads_a_stuck_clutch_breaks_it_inside_the_file(
     tmp_path: Path, unpacker: Callable[[Path, Path], Unpacked]
 ) -> None:

@@ -6,11 +6,13 @@ from pathlib import Path
 
 import fmpy
 import numpy as np
+import pytest
 
 import fmu_export
 import gearblocks as gb
 
 
+@pytest.mark.long
 def test_an_fmu_shows_heat_flow_and_temperature(tmp_path: Path) -> None:
     rig = gb.Drivetrain("stop on a disc brake")
     wheel = rig.add("wheel", gb.Inertia(J=2.0, w0=100.0))

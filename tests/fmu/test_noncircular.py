@@ -13,6 +13,7 @@ NORM = gb.RatioLaw.segments(0.7 / X, 0.5, X)
 ELLIPSE = gb.RatioLaw.ellipse(0.3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "gear",
     [

@@ -4,6 +4,8 @@ import pickle
 import zipfile
 from pathlib import Path
 
+import pytest
+
 import fmu_export
 import gearblocks as gb
 from fmu_export.exporter import ICON
@@ -24,6 +26,7 @@ def test_the_fmu_of_a_train_shows_its_scheme(tmp_path: Path) -> None:
     assert fmu_export.check(path).ok
 
 
+@pytest.mark.long
 def test_the_fmu_of_a_built_model_shows_the_same_scheme_and_one_of_a_pickle_has_none(tmp_path: Path) -> None:
     rig = _swing()
     model = gb.build(rig)

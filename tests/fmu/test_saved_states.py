@@ -68,7 +68,7 @@ def _saved(instance: Instance) -> bytes:
 
 
 @pytest.mark.parametrize("phase", ["new", "running", "failed"])
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 def test_one_flipped_bit_anywhere_is_noticed(fmu: Unpacked, phase: str) -> None:
     """In every byte one bit; the front, with what chooses among tables, bit by bit."""
     with Instance(fmu) as instance, Instance(fmu) as other:
@@ -90,6 +90,7 @@ def test_one_flipped_bit_anywhere_is_noticed(fmu: Unpacked, phase: str) -> None:
         other.fmu.freeFMUstate(copy)
 
 
+@pytest.mark.few(2)
 def test_bytes_that_are_cut_lengthened_or_no_state_are_refused(fmu: Unpacked) -> None:
     with Instance(fmu) as instance:
         instance.start()

@@ -170,6 +170,7 @@ def test_values_on_an_open_bound_are_refused_in_process_and_by_the_export(
 # -- failures by name --------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_failure_names_the_energy_that_is_no_number(pack: Callable[..., Unpacked]) -> None:
     """w' = -1e300 is finite, the power lost is not."""
     rig = gb.Drivetrain("hot")
@@ -191,6 +192,7 @@ def test_a_failure_names_the_state_or_the_start_value(unpacked: Unpacked) -> Non
         assert "?" not in line
 
 
+@pytest.mark.long
 def test_a_massless_speed_without_an_equation_is_named(pack: Callable[..., Unpacked]) -> None:
     """A shaft without inertia whose two springs have gone: nothing gives its speed."""
     rig = gb.Drivetrain("light")

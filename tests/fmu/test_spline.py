@@ -27,8 +27,8 @@ def fmu(model: gb.Model, tmp_path_factory: pytest.TempPathFactory) -> str:
     return str(fmu_export.export(model, tmp_path_factory.mktemp("spline") / "spline.fmu", outputs=["x*"], rtol=1e-6))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("step", [1e-3, 7e-4, 1e-5])
-@pytest.mark.few(2)
 def test_the_communication_step_adds_nothing_to_the_error(model: gb.Model, fmu: str, step: float) -> None:
     result = fmpy.simulate_fmu(fmu, stop_time=END, step_size=step, output_interval=step)
     t = result["time"]

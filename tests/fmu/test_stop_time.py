@@ -70,6 +70,7 @@ GAIN = {"pushed": 2.0, "geared": 0.5, "sprung": 2.0}
 """rad/s2 of the body per N m: 1/J; 4/(6.4 + 16 0.1)."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("make", [_pushed, _geared, pytest.param(_sprung, marks=pytest.mark.long)])
 @pytest.mark.parametrize("stop", [pytest.param(None, marks=pytest.mark.long), 10.0])
 def test_inputs_written_at_every_step_let_no_step_run_away(
@@ -92,6 +93,7 @@ def test_inputs_written_at_every_step_let_no_step_run_away(
     np.testing.assert_allclose(got, [angle, speed], rtol=1e-10)  # rounding alone: the solver is exact on such motions
 
 
+@pytest.mark.long
 def test_parameters_tuned_at_every_step_let_no_step_run_away(tmp_path: Path, unpacker: Unpacker) -> None:
     unpacked = unpacker(fmu_export.export(_pushed(), tmp_path / "m.fmu"), tmp_path / "m")
     inertia, w = refs_of(unpacked, "body.J", "body.w")
@@ -124,6 +126,7 @@ EIGHT = {
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[] if n in ("inertia", "coupled clutches") else pytest.mark.long) for n in EIGHT]
 )
+@pytest.mark.few(1)
 def test_a_stop_time_changes_nothing_but_the_last_digits(name: str, tmp_path: Path, unpacker: Unpacker) -> None:
     """Within 10 rtol of the peak, for many communication steps and for one; and a fine run says that both are right."""
     make, end, names = EIGHT[name]
@@ -189,6 +192,7 @@ def test_a_step_of_any_length_is_bounded_work_and_goes_on_where_it_is_asked_agai
             assert instance.refuses(lambda i=instance: i.step(0.0, 2 * end))  # what is done is not asked again
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("h", [*(pytest.param(h, marks=pytest.mark.long) for h in (1e3, 1e12)), 1e300])
 def test_steps_of_the_age_of_the_world_and_beyond_come_back(h: float, tmp_path: Path, unpacker: Unpacker) -> None:
     unpacked = unpacker(fmu_export.export(_governed(), tmp_path / "m.fmu", patience=0.0), tmp_path / "m")
@@ -214,6 +218,7 @@ def test_a_motion_that_leaves_the_numbers_ends_by_name(tmp_path: Path, unpacker:
         assert (phi, w) == (pytest.approx(1e180, rel=1e-6), pytest.approx(2e90, rel=1e-6))
 
 
+@pytest.mark.long
 def test_a_trial_step_that_is_not_finite_is_a_step_too_long(tmp_path: Path, unpacker: Unpacker) -> None:
     """The torque (1 - t)^0.5 N m is no number beyond t = 1 s; the run goes as far as it goes."""
     rig = gb.Drivetrain("to the edge")
@@ -230,6 +235,7 @@ def test_a_trial_step_that_is_not_finite_is_a_step_too_long(tmp_path: Path, unpa
         assert "body.w" in line or "drive" in line
 
 
+@pytest.mark.long
 def test_steps_that_are_lost_in_the_rounding_of_the_time_end_the_run_by_name(
     tmp_path: Path, unpacker: Unpacker
 ) -> None:

@@ -57,6 +57,7 @@ def test_fmpy_and_simulate_give_equal_bits(rig: gb.Drivetrain, tmp_path: Path) -
         np.testing.assert_array_equal(result[name], run[name], err_msg=name)
 
 
+@pytest.mark.long
 def test_the_unknown_acceleration_of_a_shaft_without_inertia_is_left_out(tmp_path: Path) -> None:
     rig = gb.Drivetrain("row")
     one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=1.0, phi0=0.3))
@@ -72,6 +73,7 @@ def test_the_unknown_acceleration_of_a_shaft_without_inertia_is_left_out(tmp_pat
         fmu_export.export(rig, tmp_path / "other.fmu", outputs=["node.alpha"])
 
 
+@pytest.mark.long
 def test_parameters_set_in_the_fmu_are_those_of_the_train(rig: gb.Drivetrain, tmp_path: Path) -> None:
     path = fmu_export.export(rig, tmp_path / "rig.fmu", outputs=["mesh.*"])
     values = {"mesh.k": 1.5e8, "shaft.k": 1.8e4, "tau": 25.0, "motor.w0": 10.0}
@@ -86,6 +88,7 @@ def test_parameters_set_in_the_fmu_are_those_of_the_train(rig: gb.Drivetrain, tm
     np.testing.assert_array_equal(result["mesh.force"], run["mesh.force"])
 
 
+@pytest.mark.long
 def test_a_run_goes_on_inside_the_fmu(rig: gb.Drivetrain, tmp_path: Path) -> None:
     """The file starts where an earlier run ended."""
     before = gb.simulate(rig, t_end=0.03)
@@ -98,6 +101,7 @@ def test_a_run_goes_on_inside_the_fmu(rig: gb.Drivetrain, tmp_path: Path) -> Non
 CUBIC = gb.Table(np.linspace(0, 1, 7), (0.0, 0.2, 0.1, -0.1, -0.2, 0.05, 0.0), kind="cubic", periodic=True)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "variation", [pytest.param(gb.Fourier(cos=(0.2,)), marks=pytest.mark.long), gb.Profile(table=CUBIC)]
 )

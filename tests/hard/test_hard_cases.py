@@ -13,7 +13,7 @@ from gearblocks.hard import suite
 LONG = ("H31", "H42", "S58", "H26", "S46", "S51", "S52")
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     "case",
     [

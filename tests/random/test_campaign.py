@@ -111,6 +111,7 @@ def test_the_reference_loses_in_a_gear_what_its_efficiency_says():
 
 
 @pytest.mark.parametrize("late", [0.4, 0.5, 0.7])
+@pytest.mark.few(1)
 def test_a_perturbed_reference_shows_errors_that_only_the_end_of_a_run_magnifies(late):
     # x'' + 20 x' + 100 x = 0, and from `late` on = 500 x: errors before it have died out, those after it grow
     body = Part("j", "Inertia", (("J", 1.0), ("phi0", 1.0)), (("a", "j"),))
@@ -123,6 +124,7 @@ def test_a_perturbed_reference_shows_errors_that_only_the_end_of_a_run_magnifies
     assert np.abs(other.angles[0, -1] - true.angles[0, -1]) < 10 * 1e-8 * growth * np.exp(2.4)
 
 
+@pytest.mark.long
 def test_errors_of_many_flights_add_up_in_a_perturbed_reference():
     # thrown up at w = 10 under 200 rad/s2 it flies for 0.1 s; a change of w in each of n flights moves the phase of the next
     body = Part("j", "Inertia", (("J", 1.0), ("w0", 1.0)), (("a", "j"),))
@@ -223,6 +225,7 @@ def test_the_reference_slows_a_pump_before_a_held_turbine():
     assert np.abs(motion.speeds[0] - 10.0 / (1 + 0.1 * T)).max() < 1e-7
 
 
+@pytest.mark.long
 def test_the_reference_carries_a_planetary_gear_to_its_ratio():
     law = Node("object", ("MeshLaw", (("k", 1e7), ("c", 3e3))))
     fields = {"z_sun": 24, "z_planet": 18, "z_ring": 60, "planets": 3, "module": 0.004, "pressure_angle": 0.35,

@@ -43,6 +43,7 @@ def test_flights_and_a_slip_that_end_at_once_do_so_in_any_order(train, order, ch
         assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 def test_the_run_is_that_of_the_reference(train):
     run = gb.simulate(build(train, gb, Random(2)), t=T, method="dp8", rtol=1e-10)
     motion = motion_of(run, train)

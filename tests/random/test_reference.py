@@ -44,6 +44,7 @@ def test_steps_keep_what_an_exponential_says(rate):
 
 
 @pytest.mark.parametrize(("lag", "gain", "target"), [(0.1, 0.5, 4.0), (0.02, 0.2, -2.0), (0.5, 1.0, 1.0)])
+@pytest.mark.few(1)
 def test_a_torque_reads_the_command_of_its_own_instant(lag, gain, target):
     # w' = u, u' = (gain (target - w) - u)/lag, inside the limits
     fields = (("target", target), ("gain", gain), ("time_constant", lag), ("lower", -9.0), ("upper", 9.0))
@@ -57,6 +58,7 @@ def test_a_torque_reads_the_command_of_its_own_instant(lag, gain, target):
 
 
 @pytest.mark.parametrize("capacity", [0.5, 1.0, 1.7])
+@pytest.mark.few(1)
 def test_friction_on_a_prescribed_motion_carries_what_it_can(capacity):
     # the drive turns with 4 t: J w' = capacity while that is less than 4 J
     drive = Part("d", "Speed", (("w", 4.0 * TIME),), (("flange", "n"),))
@@ -65,6 +67,7 @@ def test_friction_on_a_prescribed_motion_carries_what_it_can(capacity):
     assert np.abs(motion.speeds[0] - min(capacity / 0.3, 4.0) * T).max() < 1e-10
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("amount", "w"), [(0.3, 2.0), (0.5, 5.0), (-0.2, 9.0)])
 def test_a_rigid_pair_follows_a_phase_that_moves(amount, w):
     # phi_b = F(0) - F(phase) with the driving side held by a large inertia
@@ -81,7 +84,7 @@ def test_a_rigid_pair_follows_a_phase_that_moves(amount, w):
 @pytest.mark.parametrize("side", ["a", "b"])
 @pytest.mark.parametrize(("given", "phase"), [(0.4, 0.0), (-1.3, 0.7), (7.5, -0.2)])
 @pytest.mark.parametrize("block", ["NonCircularGear", "UniversalJoint"])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_nonlinear_tie_that_starts_off_zero_holds_there(block, given, phase, side):
     # tan(phi_b/2 + ..) = K tan(phi_a/2 + ..), the joint tan phi_b = tan phi_a/cos(angle); a or b turns steadily at 2 rad/s
     law = thing("RatioLaw.ellipse", e=0.3, order=1)
@@ -111,6 +114,7 @@ def test_angles_that_nobody_gives_are_not_guessed_beside_a_nonlinear_tie(given):
         reference_motion(_train(*bodies, split, joint), T)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("mu", "lead", "ratio"), [(0.2, 0.1, 10.0), (0.25, 0.15, 5.0), (0.3, 0.08, -8.0)])
 def test_a_self_locking_worm_stays_and_is_driven_forward(mu, lead, ratio):
     worm = Part("w", "Worm", (("ratio", ratio), ("lead_angle", lead), ("friction", mu)), (("a", "a"), ("b", "b")))
@@ -125,6 +129,7 @@ def test_a_self_locking_worm_stays_and_is_driven_forward(mu, lead, ratio):
 
 
 @pytest.mark.parametrize(("load", "tau1", "tau2"), [(1.0, 0.2, 1.5), (0.6, 0.3, 0.8), (2.0, 1.0, 3.0)])
+@pytest.mark.few(1)
 def test_nothing_enters_a_gear_between_both_bearing_torques(load, tau1, tau2):
     # b is pushed on by `load` between both: a keeps its speed but for the tie, all of the load is lost in the bearing
     gear = Part("g", "LossyGear", (("ratio", 1.0), ("efficiency", (0.9, 0.8)), ("bearing", (tau1, tau2))),
@@ -139,6 +144,7 @@ def test_nothing_enters_a_gear_between_both_bearing_torques(load, tau1, tau2):
     ("push", "load", "w0", "bearing"),
     [(0.5, 2.0, 20.0, (2.5, 0.2)), (-0.3, -0.8, -9.0, (1.5, 0.0)), (2.0, 1.5, 0.0, (2.0, 0.3))],
 )
+@pytest.mark.few(1)
 def test_a_drives_first_where_both_sides_of_a_gear_hold(push, load, w0, bearing):
     gear = Part("g", "LossyGear", (("ratio", 1.0), ("efficiency", (0.9, 0.8)), ("bearing", bearing)),
                 (("a", "a"), ("b", "b")))  # fmt: skip
@@ -164,7 +170,7 @@ def test_two_gears_that_a_cannot_both_drive_leave_a_start_open():
 
 @pytest.mark.parametrize("order", [("x", "y"), ("y", "x")])
 @pytest.mark.parametrize(("first", "second"), [(1.0, 1.2), (0.5, 0.9), (2.0, 2.1)])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_of_two_static_peaks_in_a_row_the_smaller_one_breaks(first, second, order):
     # drive - clutch - body - brake - ground: the load rises until the weaker one slips, which then passes on half of its peak
     peak = 2.0
@@ -178,6 +184,7 @@ def test_of_two_static_peaks_in_a_row_the_smaller_one_breaks(first, second, orde
 
 
 @pytest.mark.parametrize(("tau", "holds"), [(4.45, 4.8), (4.2, 4.4), (4.9, 4.8)])
+@pytest.mark.few(1)
 def test_a_slip_that_ends_is_held_though_a_freewheel_lets_go_on_the_way(tau, holds):
     # b catches up with a, from which its bearing pushes it, and drives c; held to a it slows down, and c runs on
     a, b, c, slides, against, w0 = 1.0, 0.1, 0.06, 4.0, 5.0, 5.0
@@ -220,7 +227,7 @@ def test_a_static_start_inside_of_a_gap_is_looked_at_and_not_guessed(play):
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.6, 0.75])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_body_that_hammers_another_against_its_stop_comes_to_rest_with_it(restitution):
     hits = thing("HuntCrossley", restitution=restitution)
     fields = (("k", 1e3), ("half_gap", 0.1), ("contact_damping", hits), ("hits", True))
@@ -232,8 +239,8 @@ def test_a_body_that_hammers_another_against_its_stop_comes_to_rest_with_it(rest
     assert np.abs(motion.angles[:, -1] - [0.1, 0.0]).max() < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("depth", "w", "fall"), [(1e-6, 22.0, 0.01), (5e-6, 22.0, 0.03), (1e-6, 40.0, 0.1)])
-@pytest.mark.few(2)
 def test_teeth_that_only_a_wave_of_their_error_brings_together_are_seen(depth, w, fall):
     # x = r (phi_a - phi_b) - e cos(z phi_a): the first crest is beyond the gap by `depth`; a step goes over 30 rad of waves
     r, gap, k, z, J, e, begin = 0.02, 2e-3, 1e6, 17, 0.1, 2.7e-4, -0.15 if w < 30.0 else -0.3
@@ -257,6 +264,7 @@ def test_teeth_that_only_a_wave_of_their_error_brings_together_are_seen(depth, w
 
 
 @pytest.mark.parametrize(("rest", "rise"), [(0.2, 0.1), (0.3, -0.02), (0.1, 0.4)])
+@pytest.mark.few(1)
 def test_a_one_way_clutch_slips_by_its_law_and_then_stays(rest, rise):
     # w' = -F (rest + rise w) until w = 0
     w0, force = 5.0, 20.0

@@ -28,6 +28,7 @@ def _rows(train: Train) -> tuple[np.ndarray, list[str]]:
     "family", ["contact", "laws", *(pytest.param(f, marks=pytest.mark.long) for f in ("smooth", "friction", "lossy"))]
 )
 @pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.few(1)
 def test_nothing_is_twisted_at_a_rate(family: str, seed: int) -> None:
     drawn = draw(family, seed)
     train = drawn.with_parts(p.changed(w0=None, v0=None) if p.is_body else p for p in drawn.parts)

@@ -72,6 +72,7 @@ def test_the_states_are_those_of_the_reference(make, data):
         assert np.abs(values - column).max() < 1e-8 * max(1.0, np.abs(column).max()), name
 
 
+@pytest.mark.long
 def test_clutches_engage_stick_and_slip_when_those_of_the_reference_do():
     true = _json("cvt_60_clutches")["events"]
     run = gb.simulate(cvt.build(), t_end=0.1, rtol=1e-12)
@@ -83,6 +84,7 @@ def test_clutches_engage_stick_and_slip_when_those_of_the_reference_do():
     assert np.abs(np.array([e[0] for e in ours]) - [e[0] for e in true]).max() < 1e-9
 
 
+@pytest.mark.long
 def test_dogs_change_over_with_the_impulses_of_the_reference():
     true = _json("cvt_120_dogs")["events"]
     run = gb.simulate(cvt.dogs(), t_end=0.1, rtol=1e-12)
@@ -167,6 +169,7 @@ def test_table_1_is_refused_and_norm_is_a_design():
     assert cvt.design().law == cvt.LAW and cvt.design().transition == pytest.approx(63.0, rel=1e-13)
 
 
+@pytest.mark.long
 def test_the_train_turns_its_branches_as_in_the_reference():
     """Speed of every branch behind its differential, over the input's, to 1e-12; and the ratio of the branch selected."""
     with (DATA / "noncircular_kin_NORM_d60.csv").open(encoding="utf8") as file:

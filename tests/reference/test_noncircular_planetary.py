@@ -235,6 +235,7 @@ def test_the_fourier_series_of_the_stiffness_is_that_of_the_reference():
         assert 2 * (k * np.sin(j * th)).mean() == pytest.approx(b, abs=1e-10)
 
 
+@pytest.mark.long
 def test_two_planets_between_the_same_suns_cannot_be_assembled():
     found = train.assembly(np.deg2rad(30), np.pi)
     assert not found.fits and np.rad2deg(found.least) == pytest.approx(43.5, abs=0.05)

@@ -53,6 +53,7 @@ def test_the_trajectory_is_that_of_the_reference(model, rpm, periods, tolerance)
 
 
 @pytest.mark.parametrize("rpm", [300, 348])
+@pytest.mark.few(1)
 def test_the_points_of_the_periodic_orbit_are_those_of_the_reference(model, rpm):
     orbit = json.loads((DATA / "spline_S.json").read_text())["periodic_orbits"][str(rpm)]
     true = np.array(orbit["points"], dtype=float)
@@ -66,7 +67,7 @@ def test_the_points_of_the_periodic_orbit_are_those_of_the_reference(model, rpm)
         assert np.abs(point - true[(first + n) % len(true)]).max() < 1e-8
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("rpm", "label"),
     [(300, "period 1"), (348, "period 2"), (360, "period 5"), pytest.param(1080, "chaotic", marks=pytest.mark.long)],
@@ -76,6 +77,7 @@ def test_set_s_answers_with_the_regimes_of_the_paper(model, rpm, label):
     assert found.settled and found.label == label, found.evidence
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rpm", [300, 348])
 def test_multipliers_and_exponents_of_set_s_are_those_of_the_reference(model, rpm):
     known = json.loads((DATA / "spline_S.json").read_text())["periodic_orbits"][str(rpm)]
@@ -147,7 +149,7 @@ ROWS = json.loads((DATA / "spline_kv_300.json").read_text())
 
 
 @pytest.mark.parametrize("row", ROWS, ids=[f"{r['tag']}-{r['Tm']:g}-{r['b'] * 1e3:g}mm" for r in ROWS])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_both_dynamic_factors_at_300_rpm_are_those_of_the_reference(model, row):
     """print: (Fm + k_t x2)/Fm; contact: N/Fm; over 256 points of a settled period, from t = 0."""
     T, b, r, km = row["Tm"], row["b"], 0.025, 245e6
@@ -171,8 +173,8 @@ def test_both_dynamic_factors_at_300_rpm_are_those_of_the_reference(model, row):
         assert found[[low, mean, high]] == pytest.approx(sampled[[low, mean, high]], abs=2e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rtol", [1e-3, 1e-4, 1e-5, 1e-6])
-@pytest.mark.few(2)
 def test_the_peak_force_at_360_rpm_is_that_of_the_motion_and_not_of_a_step(rtol):
     """Over accepted steps of order 8 the peak reads percents low, where the solution itself is right to a few tolerances.
 
@@ -204,6 +206,7 @@ def test_engaged_teeth_over_a_cycle_of_the_torque_are_those_of_the_reference():
     assert len(drawn) == 20 and min(drawn) >= 0 and drawn == spline.random_gaps(seed=3) != spline.random_gaps(seed=4)
 
 
+@pytest.mark.long
 def test_kv_at_360_rpm_grows_with_backlash_and_falls_with_torque():
     over_gap = spline.dynamic_factors(half_gaps=(0.1e-3, 0.6e-3)).values.reshape(2, 2)
     assert over_gap[:, 0] == pytest.approx([3.48, 5.43], abs=5e-3)  # as the page says, in print's definition

@@ -19,6 +19,7 @@ def _table(name):
 
 
 @pytest.mark.parametrize("case", ["ot_shaft", "friswell_9_7_1"])
+@pytest.mark.few(1)
 def test_torsional_trains_have_the_frequencies_of_the_book(case):
     numbers = _table("torsional_friswell.json")["cases"][case]
     rig = gb.Drivetrain(case)
@@ -79,6 +80,7 @@ def _planetary(p, n):
 
 
 @pytest.mark.parametrize("n", [3, 4])
+@pytest.mark.few(1)
 def test_a_planetary_with_lateral_motion_has_the_frequencies_of_lin_and_parker(n):
     table = _table("planetary_lin_parker_N3_N4.json")
     known = table["computed"][str(n)]
@@ -107,6 +109,7 @@ def pair():
     return gb.build(rig)
 
 
+@pytest.mark.long
 def test_the_sweep_of_a_gear_pair_is_that_of_the_reference(pair):
     rows = PAIR["sweep_up"]
     speeds = np.array([row["W"] for row in rows])
@@ -129,6 +132,7 @@ def test_the_sweep_of_a_gear_pair_is_that_of_the_reference(pair):
     assert 0.70 < down.first < down.last < 0.71
 
 
+@pytest.mark.long
 def test_jumps_of_the_gear_pair_are_folds_with_an_unstable_branch_between(pair):
     branch = gb.continue_orbit(pair, "w", (0.5, 1.2), section=gb.stroboscopic("w"), of="body.phi", initial="static")
     assert [mark.kind for mark in branch.marks] == ["grazing", "fold", "fold"] and branch.values[-1] == pytest.approx(
