@@ -49,8 +49,8 @@ def simulate(
     the samples), or a function of time (called per stage: slow; a Table is fast).
     parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
     "motor.phi", states of blocks), an earlier run to continue, "rolling" or `gb.rolling({"motor.w": 300})` (the train turns as
-    one piece), "static" (the equilibrium with every excitation by time at
-    its mean, contact side from the load; speeds and absolute angles stay) or "static_at_start" (under everything as it is
+    one piece), "static" (the equilibrium with every excitation by time at its mean, contact side from the load; absolute
+    angles and start speeds stay, bodies without one turn along) or "static_at_start" (under everything as it is
     at t_start). outputs: a pattern or several ("mesh.*").
     residual: the run stops where its energy residual (run.energy.residual), looked at between samples about every 50 ms of
     CPU time and at the end, exceeds this.

@@ -36,7 +36,7 @@ from gearblocks.simulation.arguments import (
     set_inputs,
     start_state,
 )
-from gearblocks.simulation.equilibrium import equilibrium
+from gearblocks.simulation.equilibrium import static_point
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.trajectory import Trajectory
@@ -73,12 +73,13 @@ def operating_point(
         set_inputs(sim, program, inputs or {})
         if is_rolling(at):
             sim.parameters[:] = rolled(model, sim, begin, at)
-        y0 = start_state(program, at)
-        with _named(begin), opened(sim, program, begin, y0) as point:
+        with _named(begin):
             if is_static(at):
-                point = equilibrium(point.at(means=at == "static"))
-            elif isinstance(at, Trajectory) and at.final_state is not None:
-                point = point.at(modes=np.array(at.final_state.modes))
+                point = static_point(sim, program, begin, means=at == "static")
+            else:
+                with opened(sim, program, begin, start_state(program, at)) as point:
+                    if isinstance(at, Trajectory) and at.final_state is not None:
+                        point = point.at(modes=np.array(at.final_state.modes))
             yield point.at(u=np.array(sim.inputs))
 
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.simulation.friction_at_rest import by_slips, judged, overlaps
+from gearblocks.simulation.rolling import turning_along
 from gearblocks.solver.active_set import ReducedRows, null_space, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.kinematics import Kinematics, kinematics, knows_derivatives
@@ -46,23 +47,43 @@ _ROUNDING = 1e-13  # of the state
 _NEAR, _STALLED = 1e-13, 1e-11  # of the largest torque: what rounding leaves, and at most where it does not shrink
 
 
+@final
+class _WindingUpError(ParameterError):
+    """Start speeds that are no steady rotation."""
+
+
 # -- equilibrium ------------------------------------------------------------------------------------------------------
 
 
 def static_state(sim: Simulation, program: Program, t: float, *, means: bool, y0: Array | None = None) -> Array:
-    """The state vector of the equilibrium from the start values (or y0), with excitations at their means or as at t.
+    """The state vector of the equilibrium from the start values (or y0); see `static_point`."""
+    return static_point(sim, program, t, means=means, y0=y0).y
 
-    Raises ParameterError where the start speeds wind something up, SimulationError where there is no equilibrium.
+
+def static_point(sim: Simulation, program: Program, t: float, *, means: bool, y0: Array | None = None) -> Point:
+    """The equilibrium from the start values (or y0), with excitations at their means or as at t. Where start speeds that nobody
+    gave would wind something up, bodies turn along as in a rolling start.
+
+    Raises ParameterError where speeds contradict each other, SimulationError where there is no equilibrium.
     """
-    with opened(sim, program, t, y0) as point:
-        return equilibrium(point.at(means=means)).y
+    try:
+        with opened(sim, program, t, y0) as point:
+            return equilibrium(point.at(means=means))
+    except _WindingUpError as wound:
+        if y0 is not None:
+            raise
+        try:
+            along = turning_along(sim, program, t, means=means)
+        except ParameterError as error:
+            raise ParameterError(f"{wound}; {str(error).removeprefix('initial: ')}") from None
+        with opened(sim, program, t, along) as point:
+            return equilibrium(point.at(means=means))
 
 
 def static_outputs(sim: Simulation, program: Program, t: float, names: Sequence[str]) -> Array:
     """Outputs in the equilibrium from the start values, with excitations at their means. Errors as `static_state`."""
-    with opened(sim, program, t) as point:
-        found: Array = equilibrium(point.at(means=True)).outputs()
-        return found[[program.output_numbers[name] for name in names]]
+    found: Array = static_point(sim, program, t, means=True).outputs()
+    return found[[program.output_numbers[name] for name in names]]
 
 
 def equilibrium(point: Point) -> Point:
@@ -131,9 +152,8 @@ def _check_speeds(point: Point, kin: Kinematics) -> None:
     largest = max(largest, float(np.abs(winding - kin.B @ v).max()))
     if abs(winding[worst]) > 1e-9 * largest:
         name = point.program.states[kin.coordinates[worst]].name.rsplit(".", 1)[0]
-        raise ParameterError(
-            f"initial: the start speeds are no steady rotation: '{name}' would wind up at {winding[worst]:.6g} rad/s; "
-            f"give w0 to every body that turns, or to none"
+        raise _WindingUpError(
+            f"initial: the start speeds are no steady rotation: '{name}' would wind up at {winding[worst]:.6g} rad/s"
         )
 
 

@@ -45,7 +45,7 @@ def rolled(model: Model, sim: Simulation, t: float, initial: Any) -> Array:
             "it out, or give start values by name"
         )
     given = _named(model, vector, initial.values if isinstance(initial, Rolling) else {})
-    with _at_rest(model, sim, t, vector) as point:
+    with _at_rest(sim, model.program, t, vector) as point:
         angles, speeds = _angles(model.program, vector, given, point), _speeds(model.program, vector, given, point)
     for g, start in enumerate(model.program.groups):
         if start.angle >= 0:
@@ -54,6 +54,22 @@ def rolled(model: Model, sim: Simulation, t: float, initial: Any) -> Array:
             _write(model, vector, start.speed, start.speed_gain * speeds[g])
     vector.setflags(write=False)
     return vector
+
+
+def turning_along(sim: Simulation, program: Program, t: float, *, means: bool) -> Array:
+    """The state at the start of `sim` with the speeds that nobody gave as a rolling start has them, with given motions at their
+    means or as at t; angles as they are. Raises ParameterError for speeds that contradict each other."""
+    given = np.array(sim.parameters)
+    with _at_rest(sim, program, t, given) as point:
+        speeds = _speeds(program, given, _Given({}, {}), point.at(means=means))
+    for g, start in enumerate(program.groups):
+        if start.speed >= 0:
+            sim.parameters[start.speed] = start.speed_gain * speeds[g]
+    try:
+        with opened(sim, program, t) as point:
+            return point.y
+    finally:
+        sim.parameters[:] = given
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,9 +100,8 @@ def _named(model: Model, vector: Array, values: Mapping[str, float | str]) -> _G
 
 
 @contextmanager
-def _at_rest(model: Model, sim: Simulation, t: float, vector: Array) -> Iterator[Point]:
-    """The model at its start without start speeds. SimulationError where it has none."""
-    program = model.program
+def _at_rest(sim: Simulation, program: Program, t: float, vector: Array) -> Iterator[Point]:
+    """The train at its start without start speeds. SimulationError where it has none."""
     still = np.array(vector)
     still[[g.speed for g in program.groups if g.speed >= 0 and program.parameters[g.speed].start]] = 0.0
     sim.parameters[:] = still

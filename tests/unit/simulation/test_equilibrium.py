@@ -205,8 +205,8 @@ def test_a_start_angle_of_one_gear_is_no_deflection_of_the_mesh():
 def test_start_speeds_are_kept_when_all_turn_together_and_refused_when_not():
     found = _at_rest(_free((10.0, 10.0)))
     assert found["a.w"] == found["b.w"] == 10.0
-    with pytest.raises(gb.ParameterError, match="'shaft' would wind up at -10 rad/s"):
-        _at_rest(_free((10.0, None)))
+    with pytest.raises(gb.ParameterError, match="'shaft' would wind up at -7 rad/s; 'b.w' = 3 contradicts the 10"):
+        _at_rest(_free((10.0, 3.0)))
 
 
 def test_states_of_blocks_settle_too():
@@ -345,8 +345,7 @@ def test_a_train_behind_a_prescribed_speed_turns_with_its_mean():
     )  # fmt: skip
     assert _at_rest(rig)["shaft.twist"] == pytest.approx(-4e-3, rel=EXACT)
     assert gb.modes(rig).free == 0
-    with pytest.raises(gb.ParameterError, match="'shaft' would wind up at -10 rad/s"):
-        _at_rest(rig.set({"b.w0": None}))
+    assert _at_rest(rig.set({"b.w0": None})) == _at_rest(rig)
 
 
 @pytest.mark.long
