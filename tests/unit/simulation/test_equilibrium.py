@@ -205,7 +205,7 @@ def test_a_start_angle_of_one_gear_is_no_deflection_of_the_mesh():
 def test_start_speeds_are_kept_when_all_turn_together_and_refused_when_not():
     found = _at_rest(_free((10.0, 10.0)))
     assert found["a.w"] == found["b.w"] == 10.0
-    with pytest.raises(gb.ParameterError, match="'shaft' would wind up at -7 rad/s; 'b.w' = 3 contradicts the 10"):
+    with pytest.raises(gb.ParameterError, match=r"'shaft' would wind up at -7 rad/s; 'b\.w' = 3 contradicts the 10"):
         _at_rest(_free((10.0, 3.0)))
 
 

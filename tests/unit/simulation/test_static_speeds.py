@@ -77,6 +77,6 @@ def test_sweeps_linear_tools_and_labels_start_so_too():
 
 def test_speeds_that_contradict_are_refused_with_both_names():
     with pytest.raises(
-        gb.ParameterError, match=r"'mesh' would wind up at .* rad/s; 'wheel.w' = 5 contradicts the -176"
+        gb.ParameterError, match=r"'mesh' would wind up at .* rad/s; 'wheel\.w' = 5 contradicts the -176"
     ):
         gb.simulate(_pair(w0=5.0), t_end=1e-6, initial="static")
