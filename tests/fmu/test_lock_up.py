@@ -47,6 +47,7 @@ def _stepped(unpacked: Unpacked, times: NDArray[np.float64]) -> NDArray[np.float
     return np.array(rows)
 
 
+@pytest.mark.long
 def test_communication_steps_across_a_lock_up_lose_nothing(launch: gb.Drivetrain, unpacked: Unpacked) -> None:
     times = np.arange(1, 501) * 1e-2
     rows, run = _stepped(unpacked, times), gb.simulate(launch, t=times)

@@ -126,6 +126,7 @@ def test_an_open_bound_is_kept_open_and_a_closed_one_closed(pack: Callable[..., 
         instance.step(1e-3, 1e-3)
 
 
+@pytest.mark.long
 def test_an_inertia_that_alone_makes_a_shaft_heavy_is_open_and_one_beside_others_is_not(
     pack: Callable[..., Unpacked],
 ) -> None:

@@ -194,6 +194,7 @@ def _kinematic(beta, **options):
     return gb.simulate(_rigid(), rtol=1e-11, parameters=phase, initial="rolling", watch=False, **options)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("beta", [30, 90, 180])
 def test_the_train_made_rigid_swings_as_in_the_reference(beta):
     table = _columns("kinematics")

@@ -41,6 +41,7 @@ def _two_meshes(order=range(9), flip=False, **gap):
 T = np.linspace(0, 5e-3, 101)
 
 
+@pytest.mark.long
 def test_the_order_of_parts_does_not_change_the_motion(distance):
     run = gb.simulate(_two_meshes(), t=T, rtol=1e-12)
     for order in ((8, 7, 6, 5, 4, 3, 2, 1, 0), (3, 1, 5, 0, 7, 2, 8, 6, 4)):

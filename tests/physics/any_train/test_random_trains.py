@@ -305,6 +305,7 @@ def test_every_ledger_closes_to_the_tolerance(plan):
         assert run.energy.residual <= 200 * rtol + 1e-14  # some hundred steps
 
 
+@pytest.mark.long
 @given(plans(losses=False, torque=False))
 @examples(12)
 def test_a_train_without_losses_and_loads_keeps_its_energy(plan):

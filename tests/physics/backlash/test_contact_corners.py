@@ -153,6 +153,7 @@ def _eight_meshes():
     return rig
 
 
+@pytest.mark.long
 def test_no_double_crossing_is_missed_on_eight_meshes_in_parallel():
     model = gb.build(_eight_meshes())
     t = [1.2e-3]

@@ -49,8 +49,8 @@ def test_a_body_between_a_stop_and_a_damped_flank(ratio, damping_ratio, restitut
     assert {e.after for e in run.events if e.component == "flank.pushing"} <= {0.0, 1.0}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "rtol"), [("dp5", 1e-8), ("dp8", 1e-6), ("rodas", 1e-6)])
-@pytest.mark.few(2)
 def test_a_stop_of_which_nothing_is_asked_costs_nothing(method, rtol):
     """While the contact that presses a body on its stop lets go but has not parted, the force of the stop is exactly 0: its
     enclosure has a width, and each step took 20000 pieces (0.1 s, of a run of 1 ms)."""

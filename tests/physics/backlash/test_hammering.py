@@ -62,8 +62,8 @@ def test_impacts_against_friction_end_when_the_sum_of_the_flights_does(load, dry
     assert len(run.events) < 400
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.few(1)
 def test_bounces_die_out_behind_a_spring(method):
     """A body between stops on a shaft, with friction beside; the flights die out within steps of the vibration."""
     rig = gb.Drivetrain("sprung")

@@ -67,9 +67,9 @@ def test_a_load_on_a_sun_that_comes_loose_and_is_caught_again_turns_each_way_onc
     assert len(turns) <= 2 + np.count_nonzero(np.diff(signs))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("capacity", "coeffs"), [(7.0, (0.75, 0.125)), (11.3, (0.31, 0.0)), (5.9, (0.0, 0.47))])
 @pytest.mark.parametrize(("method", "rtol"), [("dp8", 1e-9), ("dp8", 1e-10), ("dp8", 1e-11), ("dp5", 1e-10)])
-@pytest.mark.few(1)
 def test_a_sun_that_comes_loose_starts_at_any_tolerance(capacity, coeffs, method, rtol):
     """What lets go at a given time has no scale and no rounding of its own yet: own equations of the free sun from there."""
     rig, sun = _planetary(gb.piecewise((capacity, gb.time < 1), (0.0, True)))

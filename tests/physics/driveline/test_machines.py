@@ -94,6 +94,7 @@ def test_a_proportional_governor_leaves_its_droop(distance):
     assert run["governor.error"][-1] == pytest.approx(target - settled, rel=1e-4)
 
 
+@pytest.mark.long
 def test_a_governor_at_its_limit_does_not_wind_up(distance):
     gain, integral, J = 0.02, 0.01, 2.0
     rig = _chain(

@@ -148,6 +148,7 @@ def test_a_spring_given_by_a_table_is_straight_between_its_points(distance, refe
     assert run["a.phi"].max() > 0.1  # the swing passes the joints of the table
 
 
+@pytest.mark.long
 def test_a_cubic_table_of_a_spring_passes_through_its_points(distance, reference):
     from scipy.interpolate import CubicSpline
 

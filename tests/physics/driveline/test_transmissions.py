@@ -83,6 +83,7 @@ def test_the_car_stands_still_where_the_brake_holds_it(driving):
     assert driving["brake.torque"][-1] == pytest.approx(creep, rel=1e-5)  # the half shafts have come to rest
 
 
+@pytest.mark.long
 def test_nothing_is_lost_from_the_ledger(driving, start):
     assert driving.energy.residual < 1e-7  # ten times less than the default tolerance
     assert start.energy.residual < 1e-7

@@ -34,11 +34,11 @@ def _rig(torque, coupling, beside, load=0.0):
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("beside", ["freewheel", "brake", "nothing"])
 @pytest.mark.parametrize("coupling", [gb.OneWayClutch, gb.Clutch])
 @pytest.mark.parametrize("torque", [0.481, -0.481, 0.9])
-@pytest.mark.few(1)
 def test_what_nothing_loads_is_let_go_at_the_end_and_stays(torque, coupling, beside, method):
     """J w' = torque - k phi beside what is held; rounding of its force is less than any capacity but none."""
     run = gb.simulate(_rig(torque, coupling, beside), t=np.linspace(0.0, 1.0, 41), method=method, rtol=1e-8)

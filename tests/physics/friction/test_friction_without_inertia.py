@@ -70,6 +70,7 @@ def test_a_clutch_of_varying_capacity_is_free_where_that_is_not_above_zero(metho
     assert run["part.torque"][-1] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.long
 def test_a_brake_on_the_end_of_a_shaft_holds_it_up_to_its_capacity() -> None:
     run = gb.simulate(_rig(gb.Brake(capacity=15.0)), t=T, rtol=1e-9)
     assert np.abs(run["one.w"] - _by_hand(lambda _: 15.0, braked=True)[0]).max() < 1e-7 * np.abs(run["one.w"]).max()
@@ -271,6 +272,7 @@ def test_friction_whose_capacity_hangs_on_conditions_starts_stuck_or_sliding(w: 
     assert run["brake.torque"][0] == pytest.approx(-np.clip(0.2 * w, -0.8, 0.8), rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize(("capacity", "peak"), [(0.1, 1.2), pytest.param(0.08, 1.5, marks=pytest.mark.long)])
 def test_a_static_peak_at_a_shaft_without_inertia_lets_go_at_the_speed_of_its_jump(

@@ -52,7 +52,7 @@ HELD = {
 }  # fmt: skip
 
 
-@pytest.mark.few(1)
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("train", HELD)
 def test_what_is_held_stays_and_costs_no_steps(train: str, method: str) -> None:

@@ -57,6 +57,7 @@ def test_the_ledger_of_a_train_at_rest_closes(train, tau, method, rtol):
     assert max(np.max(np.abs(run[name])) for name in speeds) < 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("load", [1e-6, 1e-9, 3.0])
 def test_what_moves_is_held_to_its_balance_however_slow(load):
     """As soon as the load is more than friction holds, by however little, nothing counts as rounding."""

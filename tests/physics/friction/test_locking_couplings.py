@@ -22,6 +22,7 @@ def _modes(run, name):
 # -- one way ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_freewheel_rectifies_an_oscillating_torque():
     rig = _chain(
         drive=gb.Torque(tau=gb.cos(gb.time)), one=gb.Inertia(J=1.0), wheel=gb.Freewheel(), two=gb.Inertia(J=1.0)

@@ -65,6 +65,7 @@ def test_two_brakes_let_go_together_at_the_sum_of_what_they_hold(way):
     assert run["body.w"][-1] == pytest.approx(way * 2.0, rel=1e-8)
 
 
+@pytest.mark.long
 def test_three_clutches_that_lock_a_planetary_twice_over_turn_it_as_one_body():
     rig = _planetary(4.0, one=("sun", "carrier"), two=("carrier", "ring"), three=("sun", "ring"))
     run = gb.simulate(rig, t_end=1.0)

@@ -65,6 +65,7 @@ def test_what_the_load_exceeds_most_breaks_first_and_may_save_the_other(method):
     assert run["a.w"][-1] == run["b.w"][-1] == pytest.approx((6.0 - 1.9) / 1.25, rel=EXACT)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_a_rising_load_breaks_the_clutch_at_its_peak_and_nothing_else(method):
     """a stands until load = 1.841 * 1.3; the jump of the clutch to 1.841 N m is no reason for the bearing to let go."""

@@ -106,6 +106,7 @@ def test_the_lock_of_a_planetary_does_not_creep_by_a_bit_in_a_million_seconds():
     assert (run["lock.w_rel"] == 0.0).all()
 
 
+@pytest.mark.long
 def test_a_changed_inertia_or_capacity_acts_on_what_is_stuck_at_once():
     rig = _chain(
         drive=gb.Torque(tau=6.0), one=gb.Inertia(J=1.0), clutch=gb.Clutch(capacity=gb.Parameter("most", 10.0)),

@@ -38,6 +38,7 @@ def _half_swings(t, level=1.0, rise=0.1, k=100.0):
         x, begin = offset - (x - offset) * np.exp(-rise / 2 * np.pi / wd), begin + np.pi / wd
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(
     "joints",
@@ -48,7 +49,6 @@ def _half_swings(t, level=1.0, rise=0.1, k=100.0):
         pytest.param([-2.0, -1.0, 0.0, 5.0, 12.0], id="joints below"),
     ],
 )
-@pytest.mark.few(1)
 def test_a_bearing_swings_out_whatever_its_table_says_below_slip_0(method, joints):
     table = gb.Table(joints, 1 + 0.1 * np.array(joints))
     run = gb.simulate(_swinging(gb.BearingFriction(torque=table)), t=[0.0, 1.1, 2.5], method=method, rtol=1e-9)

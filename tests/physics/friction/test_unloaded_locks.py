@@ -121,6 +121,7 @@ def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, 
     assert run["swings.w"] == pytest.approx(same["swings.w"], abs=30 * rtol)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "gear",
     [
@@ -131,7 +132,6 @@ def test_what_several_frictions_hold_stays_when_its_contact_opens(held, method, 
 )
 @pytest.mark.parametrize("ratio", [-1.0, 2.5])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
-@pytest.mark.few(1)
 def test_what_a_brake_leaves_for_the_gear_and_the_freewheel_behind_it_is_rounding(gear, ratio, method):
     rig = gb.Drivetrain("held")
     bodies = [rig.add(name, gb.Inertia(J=J)) for name, J in (("near", 0.2), ("middle", 0.366), ("far", 0.337))]

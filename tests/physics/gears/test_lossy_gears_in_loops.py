@@ -69,6 +69,7 @@ def test_gears_side_by_side_share_what_they_pass_on_in_any_order(count: int, met
         assert run.energy.residual < 1e-7
 
 
+@pytest.mark.long
 def test_a_gear_beside_an_ideal_one_passes_nothing_on() -> None:
     run = gb.simulate(_side_by_side(UNLIKE[:2], 4.0, ideal=True), t_end=0.5)
     assert run["a.w"][-1] == pytest.approx(20.0 + 2.0 / (J_A + J_B / RATIO**2), rel=1e-9)

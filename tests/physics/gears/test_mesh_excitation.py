@@ -62,6 +62,7 @@ def test_a_stiffness_driven_by_time_follows_its_frequency_and_phase(reference, d
     assert abs(run.energy.supplied["mesh"]) > 1e-2 * run.energy.exchanged
 
 
+@pytest.mark.long
 def test_a_varying_frequency_is_integrated_never_multiplied_by_time(reference, distance):
     w0, rate = 1500.0, 4.0e4
     rig = _pair(stiffness_variation=gb.Fourier(cos=COS, driven_by=gb.Input("w", start=w0, unit="rad/s"), phase=0.3))

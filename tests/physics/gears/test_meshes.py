@@ -155,8 +155,8 @@ def _drag(choice, x, v, side, b=0.1, k=400.0, c=3.0):
     return (max(total, 0.0) if side > 0 else min(total, 0.0)) - elastic
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("choice", ["clipped", pytest.param("clipped_force", marks=pytest.mark.long), "always"])
-@pytest.mark.few(1)
 def test_damping_in_the_gap_acts_as_its_name_says(choice, reference, distance):
     b, k, c = 0.1, 400.0, 3.0
 

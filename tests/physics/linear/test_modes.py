@@ -88,6 +88,7 @@ def test_a_long_chain_gives_its_lowest_modes_without_a_full_matrix():
     assert linear.A.nnz < 10 * n
 
 
+@pytest.mark.long
 def test_the_modes_of_the_spline_problem_are_those_of_its_matrices():
     p = P1()
     K = np.zeros((4, 4))
@@ -161,6 +162,7 @@ def test_a_mesh_strained_by_every_free_rotation_takes_one_of_them_however_stiff_
     assert gb.modes(rig, at=None).free == 2
 
 
+@pytest.mark.long
 def test_a_free_train_whose_law_reads_its_angle_turns_freely_too():
     class Spring(gb.Block):
         a, b = gb.Flange("left end"), gb.Flange("right end")

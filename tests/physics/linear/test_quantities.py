@@ -82,6 +82,7 @@ def test_mean_and_rms_are_integrals_over_the_window_not_over_samples(
     assert gb.rms("body.phi", after=after, before=before).of(run) == pytest.approx(rms, rel=1e-7)
 
 
+@pytest.mark.long
 def test_rms_of_a_torque_that_is_a_sine_over_whole_periods() -> None:
     rig = gb.Drivetrain("shaker")
     body = rig.add("body", gb.Inertia(J=1.0))

@@ -142,6 +142,7 @@ def _mixed():
     return rig
 
 
+@pytest.mark.long
 def test_the_matrix_is_that_of_central_differences_where_something_holds():
     with operating_point(gb.build(_mixed()), None) as point:
         assert len(point.active_set()) == 1

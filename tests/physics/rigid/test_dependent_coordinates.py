@@ -80,6 +80,7 @@ def test_two_meshes_share_the_load_between_the_same_shafts(reference, distance):
     assert run.energy.residual < 1e-11
 
 
+@pytest.mark.long
 def test_springs_in_parallel_add_their_stiffness(distance):
     rig = gb.Drivetrain("parallel")
     a, b = rig.add("a", gb.Inertia(J=2.0, phi0=0.1)), rig.add("b", gb.Inertia(J=2.0))

@@ -155,6 +155,7 @@ def test_a_motor_between_shafts_that_turn_as_one_is_refused() -> None:
         gb.build(rig)
 
 
+@pytest.mark.long
 def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
     for kind, signal in ((gb.Speed, "w"), (gb.Angle, "phi")):
         value = gb.Input("wish", start=2.0, unit="1")
@@ -173,6 +174,7 @@ def test_an_input_as_a_prescribed_motion_needs_a_filter() -> None:
             assert run[f"load.{signal}"][-1] == pytest.approx(3.0, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cut", [5.0, 40.0])
 def test_a_filtered_motion_answers_a_step_as_its_filter_does(cut: float) -> None:
     wish, at = gb.piecewise((2.0, gb.time < 0.1), (3.0, True)), np.linspace(0, 0.5, 51)

@@ -101,6 +101,7 @@ def test_a_closed_loop_of_fifty_gear_pairs_is_found_redundant_exactly() -> None:
         gb.build(_ring_of_gears(50, last=(46, 25)))
 
 
+@pytest.mark.long
 def test_equal_gear_pairs_side_by_side_share_the_torque_equally() -> None:
     rig = gb.Drivetrain("side by side")
     one, two = rig.add("one", gb.Inertia(J=1.0)), rig.add("two", gb.Inertia(J=2.0))

@@ -53,6 +53,7 @@ def test_two_bodies_on_a_universal_joint_swap_energy_along_its_ratio(phase, dist
     assert run.energy.residual < 1e-10
 
 
+@pytest.mark.long
 def test_two_universal_joints_a_quarter_turn_apart_pass_the_speed_on_evenly():
     rig = _chain(
         drive=gb.Speed(w=10.0), a=gb.Inertia(J=0.1), first=gb.UniversalJoint(angle=0.6), tube=gb.Inertia(J=0.02),

@@ -31,6 +31,7 @@ def test_a_controller_that_goes_on_and_off_holds_its_speed(method, rtol):
     assert run.energy.residual < 10 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "rtol"), METHODS)
 def test_it_lets_go_when_its_torque_no_longer_suffices(method, rtol):
     """Held from 1 rad/s on while the load 2 sin 3t - 1/2 lies between what both sides can bear."""

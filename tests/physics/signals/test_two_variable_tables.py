@@ -74,6 +74,7 @@ def test_order_is_kept_across_the_cells() -> None:
     assert errors[1] < errors[0] / 10  # order 4 gives 16; corners that are not located give 2 to 4
 
 
+@pytest.mark.long
 def test_a_map_survives_its_file(tmp_path: Path) -> None:
     rig = gb.Drivetrain("stored")
     table = gb.Table2(W, U, Z, kind="cubic")

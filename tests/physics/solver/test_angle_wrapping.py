@@ -113,6 +113,7 @@ def test_a_table_over_the_angle_meets_each_joint_once_while_turns_are_taken_off(
     assert run.energy.residual < 1e-10
 
 
+@pytest.mark.long
 def test_angles_run_on_and_samples_lie_between_steps_where_turns_are_taken_off() -> None:
     w = 90.0
     model = gb.build(_pair(k=1e4, damping_ratio=0.05))

@@ -127,6 +127,7 @@ def test_the_ledger_closes_where_time_alone_moves_a_body(method, beside):
         assert run.energy.residual < 10 * rtol, rtol  # a few dozen steps, each within its share
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 def test_torques_that_balance_are_followed_in_the_ledger_though_nothing_accelerates(method):
     rig = gb.Drivetrain("balanced")

@@ -103,10 +103,10 @@ USERS = {
 }  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "law", [pytest.param(f, id=f.__name__, marks=[pytest.mark.long] * (f not in QUICK)) for f in USERS]
 )
-@pytest.mark.few(1)
 def test_a_narrow_function_that_a_user_writes_is_seen(law):
     w0, end, step = USERS[law]
     rig = gb.Drivetrain("narrow")

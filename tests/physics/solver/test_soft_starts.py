@@ -85,6 +85,7 @@ def test_a_bearing_breaks_away_just_below_its_load(excess):
             assert run.stats.steps < 500, (method, rtol)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "kink", [pytest.param(0.2, marks=pytest.mark.long), 0.25, pytest.param(0.3, marks=pytest.mark.long)]
 )

@@ -104,9 +104,9 @@ def test_it_stays_where_it_is(
         assert run[name] == pytest.approx(angle, rel=1e-12), name
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("train", [_idle, _idle_too])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-6, 1e-7, 1e-8])
-@pytest.mark.few(1)
 def test_so_does_what_carries_unloaded_branches(
     train: Callable[[], tuple[gb.Drivetrain, dict[str, float]]], rtol: float
 ) -> None:

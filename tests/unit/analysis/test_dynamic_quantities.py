@@ -90,6 +90,7 @@ def test_what_has_no_dynamic_factor_is_refused(run: gb.Trajectory, tmp_path) -> 
         gb.dynamic_factor("spline").of(idle)
 
 
+@pytest.mark.long
 def test_a_line_is_that_of_the_spectrum(run: gb.Trajectory) -> None:
     window = {"after": SETTLED - 8 * TURN, "before": SETTLED + 2 * TURN}
     spectrum = run.spectrum("spline.force", **window)

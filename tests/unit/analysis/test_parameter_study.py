@@ -134,6 +134,7 @@ def test_a_static_start_is_made_at_every_point() -> None:
     assert made.values[:, 0] == pytest.approx([0.1, 0.05], rel=1e-12)
 
 
+@pytest.mark.long
 def test_with_a_section_runs_are_as_long_as_its_periods() -> None:
     rig = gb.Drivetrain("driven")
     speed = gb.Parameter("speed", 40.0, "rad/s")

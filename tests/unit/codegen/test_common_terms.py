@@ -108,6 +108,7 @@ def test_a_branch_keeps_to_itself_what_it_has():
     assert all("common_0" in text and "?" not in text for _, text in texts)
 
 
+@pytest.mark.long
 def test_the_matrix_of_a_mesh_with_tooth_friction_says_nothing_twice():
     """Its 17,000 characters a derivative took most of the compiler's time."""
     source = make_program(gear_pair.build().train()).source

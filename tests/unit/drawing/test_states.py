@@ -65,6 +65,7 @@ def test_of_elements_side_by_side_each_shows_its_own_state() -> None:
     assert coloured == [(SLIDING, "clutch")]
 
 
+@pytest.mark.long
 def test_a_gear_with_losses_is_no_friction_that_slides() -> None:
     rig = gb.Drivetrain("losses")
     drive, a = rig.add("drive", gb.Torque(tau=1.0)), rig.add("a", gb.Inertia(J=1.0))

@@ -148,8 +148,8 @@ def test_terms_are_a_sum_though_parts_of_another_family_stand_in_them():
     _check(rig.equations().document())
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("family", "seed"), [("contact", 7002), ("friction", 7001), ("wide", 7000), ("smooth", 7002)])
-@pytest.mark.few(1)
 def test_every_symbol_of_trains_that_nobody_wrote_is_in_the_nomenclature(family, seed):
     _check(build(draw(family, seed), gb).equations().document())
 

@@ -226,6 +226,7 @@ def test_modes_that_nothing_has_are_refused_by_name():
         eq.in_modes({"wall": 2})
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("mode", [0, 1, -1])
 def test_the_inner_friction_of_a_shaft_acts_in_print_as_it_does_in_the_c(mode):
     """Its slip is the rate of the twist, which has a name of its own: the torque was missing in the balances."""

@@ -54,6 +54,7 @@ def test_states_and_switches_are_counted_by_kind_and_component() -> None:
     assert set(said.switches) == {"brake"}
 
 
+@pytest.mark.long
 def test_a_motion_that_decays_is_told_by_its_damper() -> None:
     rig = gb.Drivetrain("damped")
     small, large = rig.add("small", gb.Inertia(J=1e-4)), rig.add("large", gb.Inertia(J=1.0))

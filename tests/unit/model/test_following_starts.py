@@ -22,6 +22,7 @@ def _speeds(train, **settings):
     return run["a.w"][0], run["b.w"][0]
 
 
+@pytest.mark.long
 def test_expressions_follow_in_runs():
     model = gb.build(_pair({"w0": SPEED}, {"w0": -SPEED * 23 / 41}))
     assert _speeds(model) == pytest.approx((3000 * RPM, -3000 * RPM * 23 / 41), rel=1e-15)
@@ -29,6 +30,7 @@ def test_expressions_follow_in_runs():
     assert _speeds(model, parameters={"speed": "10 rad/s"}) == pytest.approx((10, -10 * 23 / 41), rel=1e-15)
 
 
+@pytest.mark.long
 def test_angles_follow_too():
     twist = gb.Parameter("twist", 0.1, "rad")
     rig = _pair({"phi0": 2 * twist}, {"phi0": twist})

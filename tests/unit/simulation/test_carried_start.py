@@ -113,6 +113,7 @@ def test_an_earlier_run_goes_on_with_what_is_stuck_still_stuck() -> None:
     assert start["sun.w"][0] == pytest.approx(3.0 * start["load.w"][0], rel=1e-12)
 
 
+@pytest.mark.long
 def test_states_of_blocks_are_carried() -> None:
     rig = gb.Drivetrain("governed motor")
     drive = rig.add("drive", gb.Torque(tau=20.0 * gb.sense("governor.command")))

@@ -301,6 +301,7 @@ def test_a_run_from_the_equilibrium_of_constant_loads_does_not_move():
     assert np.ptp(run["near.twist"]) < 1e-12 * 1e-3  # rounding of the forces, at rest
 
 
+@pytest.mark.long
 def test_a_contact_that_is_active_at_the_start_is_in_its_mode():
     rig = gb.Drivetrain("in contact")
     a = rig.add("a", gb.Inertia(J=1.0, phi0=-0.3))
@@ -364,6 +365,7 @@ def test_a_planetary_set_shares_the_load_in_the_ratio_of_its_arms():
     assert abs(found["out.torque"]) == pytest.approx(20.0, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_slider_settles_as_a_shaft_does():
     rig = gb.Drivetrain("slider")
     mass, spring = rig.add("mass", gb.Mass(m=2.0)), rig.add("spring", gb.Shaft(k=500.0))

@@ -111,6 +111,7 @@ def test_a_stop_without_any_spring_carries_the_load(load):
     assert run["body.phi"] == pytest.approx(np.sign(load), rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_load_that_no_stop_takes_is_refused_by_name():
     rig = gb.Drivetrain("stop")
     body, stop = rig.add("body", gb.Inertia(J=1.0)), rig.add("stop", gb.HardStop(lower=-1.0, restitution=0.5))

@@ -79,6 +79,7 @@ def test_a_clutch_that_slides_lets_through_its_friction():
     assert run["shaft.twist"] == pytest.approx(-0.05, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("load", "one", "push"), [(2.0, 0.04, 0.0), (10.0, 0.1, -5.0), (-2.0, -0.04, 0.0)])
 def test_a_load_presses_a_spring_as_far_as_a_stop(load, one, push):
     rig = gb.Drivetrain("stop")
@@ -138,6 +139,7 @@ def test_static_at_start_balances_what_acts_at_that_instant():
     assert now["brake.torque"][0] == pytest.approx(8.0, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_rigid_train_that_a_brake_cannot_hold_is_named():
     rig = gb.Drivetrain("rigid")
     one = rig.add("one", gb.Inertia(J=1.0))

@@ -63,6 +63,7 @@ def test_what_an_output_is_along_the_run_is_that_of_very_many_samples(rattling: 
     assert found.along_run(kinds["rms"]) == pytest.approx(np.sqrt(np.trapezoid(fine**2, t)), abs=2e-5 * size)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 def test_integrals_over_jumps_and_peaks_within_steps_are_those_of_closed_forms(method: str) -> None:
     """A torque that jumps, on a mass that swings on a shaft: steps are long, and an output jumps with the torque."""

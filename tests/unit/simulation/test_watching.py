@@ -159,6 +159,7 @@ def test_rigid_teeth_are_watched_by_the_force_that_keeps_them_together(quiet: No
     assert rows[0].times == 3  # sin(40 t) itself, up to the inertia's phase
 
 
+@pytest.mark.long
 def test_a_belt_without_creep_says_that_it_would_have_slid() -> None:
     rig = gb.Drivetrain("belt")
     belt = rig.add("belt", gb.BeltDrive(ratio=0.5, slip=gb.Creep(stiffness=2e3, low_speed=1.0, limit=40.0)))
@@ -261,6 +262,7 @@ def test_the_c_is_that_of_a_train_built_without_and_the_model_watches() -> None:
     assert pickle.loads(pickle.dumps(model)).left_out is None
 
 
+@pytest.mark.long
 def test_a_train_at_rest_warns_of_nothing() -> None:
     rig = _pair(0.0).without("mesh.backlash")
     with warnings.catch_warnings():

@@ -125,6 +125,7 @@ def test_an_excitation_that_does_not_repeat_is_computed_step_by_step():
     np.testing.assert_array_equal(asked.last, stepwise.last)
 
 
+@pytest.mark.long
 def test_a_period_fills_its_table_and_a_longer_one_has_none():
     model = gb.build(_pair())
     rows, _ = _points(model, "w", 4)

@@ -44,6 +44,7 @@ def test_the_state_is_carried_so_that_both_ways_differ_where_two_motions_stand_s
     assert found.points[0, 0] == pytest.approx(run["disc.phi"][-33:], abs=1e-6)
 
 
+@pytest.mark.long
 def test_labels_say_which_protocol_they_come_from(oscillator: Oscillator, tmp_path: Path) -> None:
     rig, values = _duffing(oscillator), [0.2, 0.25]
     quick = gb.bifurcation(rig, "force", values, section=SECTION, of="disc.phi", transient=200, keep=33)

@@ -86,6 +86,7 @@ def _of_hill(k: float, q: float, drive: float, multiplier: float) -> float:
     return float(np.linalg.det(run.y[:, -1].reshape(2, 2) - multiplier * np.eye(2)))
 
 
+@pytest.mark.long
 def test_a_doubling_is_where_hills_equation_doubles_and_its_branch_leaves(oscillator: Oscillator) -> None:
     # x = 0 of x'' + 0.1 x' + (1 + q cos 2t) x + x^3 = 0
     from scipy.optimize import brentq

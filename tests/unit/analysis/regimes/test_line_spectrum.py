@@ -36,6 +36,7 @@ def test_lines_of_a_linear_train_are_those_of_its_transfer_function(oscillator: 
     assert (tmp_path / "lines.png").stat().st_size > 5000
 
 
+@pytest.mark.long
 def test_lines_are_those_of_the_run_under_a_window(oscillator: Oscillator) -> None:
     rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) - x**3, k=1.0, c=0.3)
     found = gb.spectrum(rig, section=SECTION, of="disc.phi")

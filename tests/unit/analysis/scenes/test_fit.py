@@ -89,6 +89,7 @@ def test_no_name_of_what_went_is_left_in_the_fmu(best: Any, tmp_path: Path) -> N
         assert name in full and name not in lean
 
 
+@pytest.mark.long
 def test_a_fit_starts_where_the_whole_train_starts(discs: Callable[..., gb.Drivetrain]) -> None:
     # the start value of an angle that goes with the belt's compliance; the method is chosen on the fitted train
     scene = gb.Scene(

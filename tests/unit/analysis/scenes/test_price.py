@@ -126,6 +126,7 @@ def test_alike_parts_are_one_row_and_a_quantity_that_goes_is_said() -> None:
     assert "part of the quantity: shaft*.compliance" in price.sentence
 
 
+@pytest.mark.long
 def test_an_event_that_there_is_only_with_an_effect_is_needed_and_can_be_said() -> None:
     rig = gb.Drivetrain("loose")
     disc, wall = rig.add("disc", gb.Inertia(J=0.1)), rig.add("wall", gb.Fixed())

@@ -79,6 +79,7 @@ def test_non_circular_pairs_with_a_stiffness_over_the_angle(check, external):
     check(between(*gears), angle=0.3)
 
 
+@pytest.mark.long
 def test_springs_over_tables_and_expressions(check):
     table = gb.Table([-3.0, -1.0, 0.5, 2.0, 4.0], [-5.0, -1.0, 0.2, 3.0, 9.0], kind="cubic")
     law = 3 * gb.twist + 2 * gb.twist**3 + sp.sin(gb.twist)
