@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import solve_ivp
 
@@ -25,7 +25,8 @@ def pytest_configure(config: pytest.Config) -> None:
         compiler = os.environ.get("CC", "").strip() or ("cc" if shutil.which("cc") else "")
         if compiler and " -O" not in compiler:
             os.environ["CC"] = f"{compiler} -O0"
-        settings.register_profile("quick", max_examples=25)
+        busy = (HealthCheck.too_slow,)  # tells of the machine, not of the test
+        settings.register_profile("quick", max_examples=25, suppress_health_check=busy)
         settings.load_profile("quick")
 
 
