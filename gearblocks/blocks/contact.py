@@ -313,5 +313,6 @@ def _parametric_torque(block: Any, s: Any, law: Contact, k: Any) -> Iterator[Con
     named = s.named("kappa", first, "slope of the stiffness over the angle", "N/m")
     for name, slope in slopes.items():
         if slope != 0:
-            of = {first: named, -first: -named}.get(slope, slope)
+            opposite = slope == -first or (s.reading and (slope + first).expand() == 0)
+            of = named if slope == first else -named if opposite else slope
             yield Acts(getattr(s, name), -of * potential)

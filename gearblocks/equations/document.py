@@ -23,6 +23,8 @@ from gearblocks.pages import page
 
 WIDTH = 100
 """Characters in a line of text."""
+PAGE = 20
+"""Lines of LaTeX that a page keeps together."""
 
 
 def _at_dots(path: str, room: int) -> list[str]:
@@ -136,19 +138,33 @@ class Document:
         return "\n\n".join([*blocks, str(self.nomenclature)] if len(self.nomenclature) else blocks)
 
     def latex(self) -> str:
-        """Equations for a document with amsmath, as wide as a column of a two-column article."""
-        blocks = ["% needs amsmath"]
+        """Equations for a document with amsmath, as wide as a column of a two-column article; pages end between them."""
+        blocks = ["% needs amsmath\n\\begingroup\\allowdisplaybreaks"]
         for section in self.sections:
-            blocks.append(rf"\paragraph{{{tex.prose(section.heading)}}}")
+            shown = [rf"\paragraph{{{tex.prose(section.heading)}}}"]
             for group in _grouped(section.lines):
                 if group[0].left is not None:
                     rows = tex.align([(line.left, line.right) for line in group if line.left is not None])
-                    blocks.append(f"\\begin{{align}}\n{rows}\n\\end{{align}}")
+                    shown.append(f"\\begin{{align}}\n{rows}\n\\end{{align}}")
                 else:
-                    blocks += [rf"\noindent {tex.sentence(line.right)}\par" for line in group]
+                    shown += [rf"\noindent {tex.sentence(line.right)}\par" for line in group]
+            blocks.append("\n".join(shown))
         if len(self.nomenclature):
-            blocks += [r"\paragraph{Nomenclature}", self.nomenclature.latex()]
-        return "\n\n".join(blocks)
+            blocks.append("\\paragraph{Nomenclature}\n" + self.nomenclature.latex())
+        return "\n\n".join([*blocks, r"\endgroup"])
+
+    def _repr_latex_(self) -> str:
+        """The equations as displays that fit pages, for what shows no page of MathML; MathJax reads them too."""
+        found: list[list[str]] = []
+        for section in self.sections:
+            rows = [tex.aligned(line.left, line.right) for line in section.lines if line.left is not None]
+            titled = ["&" + tex.word(section.heading).replace("mathrm", "mathbf"), *rows] if rows else []
+            for number, row in enumerate(titled):
+                if number == 0 or sum(map(_height, found[-1])) + _height(row) > PAGE:
+                    found.append([])
+                found[-1].append(row)
+        displays = (" \\\\\n".join(rows).replace(" \\notag \\\\*", r" \\") for rows in found)
+        return "\n".join(f"\\begin{{align*}}\n{rows}\n\\end{{align*}}" for rows in displays)
 
     def mathml(self) -> str:
         """<math> elements, one in a line."""
@@ -172,6 +188,11 @@ class Document:
 
     def _repr_html_(self) -> str:
         return self.html()
+
+
+def _height(row: str) -> int:
+    """Lines of an equation in LaTeX."""
+    return 1 + row.count(r"\\")
 
 
 def _in_brackets(entry: Entry) -> str:

@@ -12,7 +12,7 @@ import sympy as sp
 from gearblocks.equations import sections
 from gearblocks.equations.document import Document, Nomenclature, Section
 from gearblocks.equations.families import families, names_in, of_entries, of_lines, of_parts
-from gearblocks.equations.latex import aligned, latex
+from gearblocks.equations.latex import latex
 from gearblocks.equations.linearized import sections as of_small_deviations
 from gearblocks.equations.names import Name
 from gearblocks.equations.nomenclature import Entry
@@ -258,9 +258,7 @@ class Equations:
         return latex(sections.reader(self).read(expr))
 
     def _repr_latex_(self) -> str:
-        lines = (line for s in self.document().sections for line in s.lines)
-        rows = [aligned(line.left, line.right) for line in lines if line.left is not None]
-        return "$$\\begin{aligned}\n" + " \\\\\n".join(rows).replace(r" \notag", "") + "\n\\end{aligned}$$"
+        return self.document()._repr_latex_()
 
     def _repr_html_(self) -> str:
         return self.html()

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, final
 
 from gearblocks.equations.document import Line, Nomenclature, Section
-from gearblocks.equations.names import INDEX, Name, owners
+from gearblocks.equations.names import INDEX, Name, owners, whole
 from gearblocks.equations.nodes import Fence, Node, Op, Row, Sum
 from gearblocks.equations.nomenclature import Entry
 
@@ -22,16 +22,23 @@ _LONG = 40
 
 
 class Member(NamedTuple):
-    """A part by its number in its family; stem: of its path; indices: first and last of the family."""
+    """A part by its number in its family; stem: of its path; indices: first and last of the family; short: what stands at the
+    foot of its symbols, without the number."""
 
     stem: str
     number: int
     indices: tuple[int, int]
+    short: str
+
+    @property
+    def place(self) -> tuple[int, tuple[int, int]]:
+        """Its number and those of its family."""
+        return self.number, self.indices
 
     @property
     def foot(self) -> str:
         """What stands at the foot of symbols of any member."""
-        return f"{owners([self.stem])[self.stem].rstrip('_')} {INDEX}"
+        return f"{self.short.rstrip('_')} {INDEX}"
 
     @property
     def words(self) -> str:
@@ -83,8 +90,7 @@ class Families:
             member = self.member(name.owner)
             if member is None or (member.number, member.indices) != (index, indices):
                 return name
-            whole = owners([f"{member.stem}{index}"])[f"{member.stem}{index}"]
-            return dataclasses.replace(name, owner=name.owner.replace(whole, member.foot, 1))
+            return dataclasses.replace(name, owner=name.owner.replace(f"{member.short}{index}", member.foot, 1))
 
         return _renamed(node, changed)
 
@@ -92,6 +98,7 @@ class Families:
 def families(kinds: Mapping[str, str]) -> Families:
     """The families of a train: three parts of one class or more whose names differ by a number, without a gap in these."""
     found: dict[tuple[str, str], dict[int, str]] = {}
+    feet = owners(kinds)
     for path, kind in kinds.items():
         match = re.fullmatch(r"(.*?)(0|[1-9]\d*)\]?", path)
         if match and match[1]:
@@ -100,8 +107,10 @@ def families(kinds: Mapping[str, str]) -> Families:
     for (stem, _), paths in found.items():
         first, last = min(paths), max(paths)
         if len(paths) >= _FEWEST and last - first + 1 == len(paths):
-            members |= {path: Member(stem, i, (first, last)) for i, path in paths.items()}
-    return Families(members, {foot: members[path] for path, foot in owners(members).items()})
+            members |= {
+                path: Member(stem, i, (first, last), feet[path].removesuffix(str(i))) for i, path in paths.items()
+            }
+    return Families(members, {feet[path]: member for path, member in members.items()})
 
 
 def of_parts(found: Families, sections: Mapping[str, Section], kinds: Mapping[str, str]) -> Iterator[Section]:
@@ -112,7 +121,7 @@ def of_parts(found: Families, sections: Mapping[str, Section], kinds: Mapping[st
             continue
         member = found.members.get(path)
         alike = [] if member is None else [p for p, m in found.members.items() if m.stem == member.stem]
-        shown = {p: found.of_any(sections[p].lines, *found.members[p][1:]) for p in alike if p in sections}
+        shown = {p: found.of_any(sections[p].lines, *found.members[p].place) for p in alike if p in sections}
         if member is not None and len(shown) == len(alike) and len(set(shown.values())) == 1:
             done.update(alike)
             yield Section(f"{member.words} ({kinds[path]}), {member.range}", shown[path])
@@ -163,7 +172,7 @@ def of_entries(found: Families, nomenclature: Nomenclature, sections: Iterable[S
     for name, entry in nomenclature.entries:
         member = found.member(name.owner)
         if member is not None:
-            alike.setdefault((found.of_any(name, *member[1:]), member.indices), []).append((name, entry))
+            alike.setdefault((found.of_any(name, *member.place), member.indices), []).append((name, entry))
     whole = {name: made for (name, (a, b)), made in alike.items() if len(made) == b - a + 1}
     whole = {name: made for name, made in whole.items() if name in named or not named & {old for old, _ in made}}
     standing = {old: name for name, made in whole.items() for old, _ in made}
@@ -185,7 +194,7 @@ def _of_all(found: Families, made: Sequence[tuple[Name, Entry]]) -> Entry:
     if len(value) > _LONG:
         value = f"{values[0]}, {values[1]}, ..., {values[-1]}"
     one = f"{member.stem}{member.number}"
-    words = entry.words.replace(owners([one])[one], member.words)
+    words = entry.words.replace(whole(one), member.words)
     return dataclasses.replace(entry, words=words, value=value, path=entry.path.replace(one, f"{member.stem}<{INDEX}>"))
 
 

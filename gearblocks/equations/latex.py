@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from gearblocks.equations.line_breaking import Style, lines
+from gearblocks.equations.line_breaking import LINE, TOO_WIDE, Style, cost, lines
 from gearblocks.equations.names import GREEK, INDEX, Name
 from gearblocks.equations.nodes import (
     Call,
@@ -183,7 +183,7 @@ _WIDE = {"=": 2.6, "+": 2.4, "-": 2.4, "neg": 1.4, "and": 5.0, "or": 4.0}
 def name_width(name: Name) -> float:
     """The width of a name, in letters of the mathematics."""
     index = len(name.number) + len(name.owner)
-    return 1.1 * len(name.letter) + 0.72 * index + (0.4 if name.number and name.owner else 0.0)
+    return 1.1 * len(name.letter) + 0.69 * index + (0.4 if name.number and name.owner else 0.0)
 
 
 def width(node: Node) -> float:
@@ -225,15 +225,24 @@ STYLE = Style(latex, width, r"\,", _called)
 
 
 def is_wide(left: Node, right: Node) -> bool:
-    """Whether the left side needs lines of its own; aligned with others it would push them out of the column."""
+    """Whether the left side needs lines of its own: aligned with others it would push them out of the column, or the right side
+    is fewer lines below it."""
     head = width(left) + 2.6
-    return head > 0.45 * COLUMN or head + _unbroken(right) > COLUMN
+    if head > 0.45 * COLUMN or head + _unbroken(right) > COLUMN:
+        return True
+    below = cost([Op("="), right], STYLE, COLUMN - 2, COLUMN - 2)
+    return _beside(head, right) > 2 * LINE + 1 and _beside(head, right) > LINE + below
 
 
 def fit_together(equations: Sequence[tuple[Node, Node]]) -> bool:
     """Whether equations may be aligned with each other: what none of them can break fits behind the widest left side."""
     head = max(width(left) for left, _ in equations) + 2.6
-    return all(head + _unbroken(right) <= COLUMN for _, right in equations)
+    return all(head + _unbroken(right) <= COLUMN and _beside(head, right) < TOO_WIDE / 10 for _, right in equations)
+
+
+def _beside(head: float, right: Node) -> float:
+    """What the lines of a right side cost behind a left side."""
+    return cost([right], STYLE, COLUMN - head, COLUMN - head - 2)
 
 
 def _unbroken(node: Any) -> float:
@@ -260,8 +269,8 @@ def align(equations: Sequence[tuple[Node, Node]]) -> str:
 
 
 def aligned(left: Node, right: Node, head: float = 0.0) -> str:
-    """One equation as lines of an align environment; the number stands at the last. head: width of the left side that it is
-    aligned behind, where that is wider than its own."""
+    """One equation as lines of an align environment, on one page; the number stands at the last. head: width of the left side
+    that it is aligned behind, where that is wider than its own."""
     head = max(head, width(left) + 2.6)
     if not is_wide(left, right):
         broken = lines([right], STYLE, COLUMN - head, COLUMN - head - 2)
@@ -272,7 +281,7 @@ def aligned(left: Node, right: Node, head: float = 0.0) -> str:
         above = lines([left], STYLE, COLUMN, COLUMN - 2)
         broken = lines([Op("="), right], STYLE, COLUMN - 2, COLUMN - 2)
         found = [f"&{above[0]}", *(rf"&\quad {x}" for x in [*above[1:], *broken])]
-    return " \\notag \\\\\n".join(found)
+    return " \\notag \\\\*\n".join(found)
 
 
 def sentence(node: Node) -> str:

@@ -6,6 +6,8 @@ Knows nothing of equations.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, final
 
 import sympy as sp
@@ -38,7 +40,8 @@ class Lexicon:
     """names, entries, owners: of each symbol what it is called, what it means, and to which part it belongs. parameters: paths
     of numbers, Parameters and Inputs. inputs: symbols of Inputs."""
 
-    def __init__(self) -> None:
+    def __init__(self, paths: Iterable[str]) -> None:
+        self._feet = names.owners(paths)
         self.names: dict[Any, names.Name] = {}
         self.entries: dict[Any, nomenclature.Entry] = {}
         self.owners: dict[Any, str] = {}
@@ -74,22 +77,21 @@ class Lexicon:
         """The angle and the speed of a shaft, or position and speed of a slider."""
         letter, words, unit = ("s", "position", "m") if slides else ("φ", "angle", "rad")
         self._claimed |= {q.name: q, v.name: v}
-        foot = names.owners([owner])[owner]
-        self.names[q] = names.Name(letter, "", foot)
+        self.names[q] = names.Name(letter, "", self._feet.get(owner, names.whole(owner)))
         self.names[v] = self.names[q].rate()
-        self.entries[q] = nomenclature.Entry(f"{words} of {foot}", "", unit)
+        self.entries[q] = nomenclature.Entry(f"{words} of {names.whole(owner)}", "", unit)
 
     def body(self, c: Component) -> Any:
         """The angle of a body, or its position, that others give."""
         spelling, letter, words, unit = ("s", "s", "position", "m") if c.slides else ("phi", "φ", "angle", "rad")
         symbol = self._claim(f"{spelling}_{flat(c.path)}", ("body", c.path))
-        self.names[symbol] = names.Name(letter, "", _foot(c))
-        self.entries[symbol] = nomenclature.Entry(f"{words} of {_foot(c)}", "", unit)
+        self.names[symbol] = names.Name(letter, "", self._foot(c))
+        self.entries[symbol] = nomenclature.Entry(f"{words} of {names.whole(c.path)}", "", unit)
         return symbol
 
     def define(self, c: Component, symbol: Any, name: str, words: str, unit: str) -> None:
         """Keeps what a symbol is that a law defines; a mean stiffness beside one that varies is k_0."""
-        called = names.of_defined(name, _foot(c), c.slides)
+        called = names.of_defined(name, self._foot(c), c.slides)
         self._defined[symbol] = name.rstrip("'")
         self._note(
             symbol, called, nomenclature.Entry(words_along(words, c.slides), "", unit_along(unit, c.slides), c.path), c
@@ -97,18 +99,34 @@ class Lexicon:
         if name == "k_t":
             mean = self._claim(f"k_{flat(c.path)}", ("own", c.path, "k"))
             if mean in self.names:
-                self.names[mean] = names.of_field("k", _foot(c), varies=True)
+                self.names[mean] = names.of_field("k", self._foot(c), varies=True)
 
     def offset(self, c: Component, name: str) -> Any:
         """The symbol of a ground angle."""
         symbol = self._number(c, name)
-        self.names[symbol] = names.Name("φ", "0", _foot(c))
+        self.names[symbol] = names.Name("φ", "0", self._foot(c))
         return symbol
 
     def deflection(self, c: Component, unit: str) -> Any:
         """The symbol of a deflection that its law does not name."""
         symbol = sp.Symbol(f"x_{flat(c.path)}", real=True)
-        self._note(symbol, names.Name("x", "", _foot(c)), nomenclature.Entry("deflection", "", unit), c)
+        self._note(symbol, names.Name("x", "", self._foot(c)), nomenclature.Entry("deflection", "", unit), c)
+        return symbol
+
+    def phase(self, path: str, number: int, cycles: bool) -> Any:
+        """The symbol of a phase that several functions of a part read."""
+        symbol = self._claim(f"psi{number or ''}_{flat(path)}", ("phase", path, f"psi{number}"))
+        self.names[symbol], self.owners[symbol] = names.Name("ψ", str(number or ""), self._feet[path]), path
+        self.entries[symbol] = nomenclature.Entry("phase", "", "1" if cycles else "rad", path)
+        return symbol
+
+    def slope(self, defined: Any) -> Any:
+        """The symbol of the slope over an angle of what a law defines."""
+        path, of, entry = self.owners[defined], self.names[defined], self.entries[defined]
+        symbol = self._claim(f"{of.letter}_slope_{flat(path)}", ("slope", path, defined.name))
+        self.names[symbol], self.owners[symbol] = replace(of, number=f"{of.number}φ"), path
+        words = f"{entry.words}: slope over the angle"
+        self.entries[symbol] = nomenclature.Entry(words, "", entry.unit, path)
         return symbol
 
     def distinct(self) -> dict[Any, names.Name]:
@@ -132,12 +150,12 @@ class Lexicon:
     def _number(self, c: Component, path: str) -> Any:
         symbol = self._claim(_spelled(c, path), ("own", c.path, path))
         self.parameters[symbol] = f"{c.path}.{path}"
-        self._note(symbol, names.of_field(path, _foot(c)), nomenclature.of_number(c, path), c)
+        self._note(symbol, names.of_field(path, self._foot(c)), nomenclature.of_number(c, path), c)
         return symbol
 
     def _state(self, c: Component, path: str) -> Any:
         symbol = self._claim(_spelled(c, path), ("state", c.path, path))
-        self._note(symbol, names.of_state(path, _foot(c)), nomenclature.of_state(c, path), c)
+        self._note(symbol, names.of_state(path, self._foot(c)), nomenclature.of_state(c, path), c)
         return symbol
 
     def _table(self, c: Component, table: Any) -> Any:
@@ -148,15 +166,15 @@ class Lexicon:
             entry = nomenclature.of_unnamed_table(c, table)
             before = [s for s, name in self.names.items() if name.letter == "table" and self.owners.get(s) == c.path]
             number = 1 + (before.index(symbol) if symbol in before else len(before))
-            self._note(symbol, names.Name("table", str(number), _foot(c)), entry, c)
+            self._note(symbol, names.Name("table", str(number), self._foot(c)), entry, c)
             return symbol
         symbol = self._claim(f"{flat(paths[0].split('.')[-1])}_table_{flat(c.path)}", ("table", c.path, paths[0]))
-        self._note(symbol, names.of_table(paths[0], _foot(c)), nomenclature.of_table(c, paths, table), c)
+        self._note(symbol, names.of_table(paths[0], self._foot(c)), nomenclature.of_table(c, paths, table), c)
         return symbol
 
     def _law_table(self, c: Component, made: LawTable) -> Any:
         symbol = self._claim(_spelled(c, made.name), ("law_table", c.path, made.name))
-        self._note(symbol, names.of_defined(made.name, _foot(c)), nomenclature.of_law_table(c, made), c)
+        self._note(symbol, names.of_defined(made.name, self._foot(c)), nomenclature.of_law_table(c, made), c)
         return symbol
 
     def _switched(self, c: Component, role: str, of: str) -> Any:
@@ -164,10 +182,14 @@ class Lexicon:
         if c.slides:
             letter, spelling = _OF_SLIDERS.get(letter, letter), _OF_SLIDERS.get(spelling, spelling)
         symbol = self._claim(f"{spelling}_{flat(c.path)}{'_' if of else ''}{flat(of)}", (role, c.path, of))
-        owner = f"{_foot(c)} {of}".rstrip()
+        owner = f"{self._foot(c)} {of}".rstrip()
         entry = nomenclature.Entry(words, "", unit_along(unit, c.slides), c.path)
         self._note(symbol, names.Name(letter, "", owner), entry, c)
         return symbol
+
+    def _foot(self, c: Component) -> str:
+        """What stands at the foot of the symbols of a part."""
+        return self._feet[c.path]
 
     def _note(self, symbol: Any, name: names.Name, entry: nomenclature.Entry, c: Component) -> None:
         self.names[symbol], self.entries[symbol], self.owners[symbol] = name, entry, c.path
@@ -182,10 +204,6 @@ class Lexicon:
 
 def _spelled(c: Component, path: str) -> str:
     return f"{flat(path.split('.')[-1])}_{flat(c.path)}"
-
-
-def _foot(c: Component) -> str:
-    return names.owners([c.path])[c.path]
 
 
 def _is_same(own: Any, table: Any) -> bool:

@@ -150,5 +150,24 @@ def distinct(names: Mapping[Any, Name], *spares: Mapping[Any, str]) -> dict[Any,
 
 
 def owners(paths: Iterable[str]) -> dict[str, str]:
-    """What stands at the foot of a symbol for each part of the train: its path without brackets."""
-    return {path: path.replace("[", "").replace("]", "").replace(".", " ") for path in paths}
+    """What stands at the foot of a symbol for each part of the train: the end of its path where the parts that have it, but for
+    numbers, are all of one container; without brackets."""
+    places = {path: path.split(".") for path in paths}
+    containers: dict[tuple[str, ...], set[tuple[str, ...]]] = {}
+    for parts in places.values():
+        for n in range(len(parts)):
+            containers.setdefault(_without_numbers(parts[n:]), set()).add(tuple(parts[:n]))
+    found = {}
+    for path, parts in places.items():
+        ends = (n for n in reversed(range(len(parts))) if len(containers[_without_numbers(parts[n:])]) == 1)
+        found[path] = whole(".".join(parts[next(ends, 0) :]))
+    return found
+
+
+def _without_numbers(parts: Iterable[str]) -> tuple[str, ...]:
+    return tuple(part.rstrip("[]0123456789") for part in parts)
+
+
+def whole(path: str) -> str:
+    """A path without brackets, in words."""
+    return path.replace("[", "").replace("]", "").replace(".", " ")

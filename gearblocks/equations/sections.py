@@ -49,7 +49,7 @@ def balances(eq: Written) -> Section:
         left = [(m, a) for m, a in zip(eq.mass_matrix.row(i), accelerations, strict=True) if m != 0]
         right: list[Any] = []
         for path, term in contributions:
-            found, plain = _lifted(read, term, path, "f")
+            found, plain = _lifted(eq, read, term, path, "f")
             aside += found
             right += [] if plain == 0 else _parts(read, plain)
         rows.append(Line(read.products(left) if left else Num("0"), read.terms(right)))
@@ -63,14 +63,14 @@ def _parts(read: Reader, term: Any) -> list[Any]:
     return [*positive, *(x for x in parts if x.could_extract_minus_sign())]
 
 
-def _lifted(read: Reader, expr: Any, path: str, letter: str) -> tuple[list[Line], Any]:
+def _lifted(eq: Written, read: Reader, expr: Any, path: str, letter: str) -> tuple[list[Line], Any]:
     """Cases within an expression as lines of their own, by names; and the expression over these names."""
     lines: list[Line] = []
     while inner := [p for p in expr.atoms(sp.Piecewise) if p != expr and not _is_size(p)]:
         cases = min(inner, key=lambda p: (sp.count_ops(p), sp.default_sort_key(p)))
-        number = 1 + sum(name.letter == letter and name.owner == owners([path])[path] for name in read.names.values())
+        number = 1 + sum(name.letter == letter and name.owner == owners(eq.kinds)[path] for name in read.names.values())
         symbol = sp.Symbol(f"{letter}{number}_{path}_case", real=True)
-        read.names[symbol] = Name(letter, str(number), owners([path])[path])  # type: ignore[index]
+        read.names[symbol] = Name(letter, str(number), owners(eq.kinds)[path])  # type: ignore[index]
         read.order[symbol] = max((read.order.get(x, -1) for x in cases.free_symbols), default=-1)  # type: ignore[index]
         lines.append(Line(read.read(symbol), read.read(cases)))
         expr = expr.xreplace({cases: symbol})
@@ -101,7 +101,7 @@ def part(eq: Written, path: str) -> Iterator[Line]:
     read = reader(eq)
     for symbol, expr in eq.definitions.items():
         if eq.owners.get(symbol) == path and not (eq.names[symbol].dots and base(symbol) in eq.definitions):
-            lines, plain = _lifted(read, expr, path, "p")
+            lines, plain = _lifted(eq, read, expr, path, "p")
             yield from lines
             yield Line(read.read(symbol), read.read(plain))
     for constraint in eq.switched_constraints:
@@ -109,7 +109,7 @@ def part(eq: Written, path: str) -> Iterator[Line]:
             yield from _lines(read, in_order([constraint], eq.used() - counters(eq)))
     for symbol, rate in eq.states.items():
         if eq.owners.get(symbol) == path and symbol not in counters(eq) and symbol not in eq.held:
-            lines, plain = _lifted(read, rate, path, "p")
+            lines, plain = _lifted(eq, read, rate, path, "p")
             yield from lines
             yield Line(Sym(read.name(symbol).rate()), read.read(plain))
     for symbol, value in eq.held.items():

@@ -5,8 +5,9 @@ Angle form: J w' = sum of torques for every shaft. Relative form: the same in de
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterable, Mapping
+from functools import partial
+from typing import Any, TypeAlias
 
 import sympy as sp
 
@@ -15,6 +16,7 @@ from gearblocks.assembly.tables import GROUND_GROUP, Assembly
 from gearblocks.equations.dependent_groups import DependentGroups, over_independent_groups, rational
 from gearblocks.equations.equations import Equations
 from gearblocks.equations.lexicon import Lexicon, flat
+from gearblocks.equations.repeated_terms import Part, with_symbols
 from gearblocks.equations.sections import base
 from gearblocks.equations.switched_constraints import SwitchedConstraint
 from gearblocks.errors import ModelError
@@ -31,6 +33,9 @@ from gearblocks.train.expression_depth import refused_where_too_deep
 from gearblocks.train.graph import GROUND, Component, Train
 from gearblocks.train.structure import structure_of
 from gearblocks.train.translational import flange_names, slider_names
+
+Rows: TypeAlias = tuple[tuple[tuple[str, Any], ...], ...]
+"""Terms of the balances by the part that they are of."""
 
 
 def write_equations(train: Train) -> Equations:
@@ -58,7 +63,7 @@ class _Writer:
         n = assembly.n_groups
         self.scales = [1 / rational(start.phi0_gain) for start in assembly.starts]
         self.scales += [sp.Integer(1)] * (n - len(self.scales))
-        self.lexicon = Lexicon()
+        self.lexicon = Lexicon(c.path for c in assembly.train.components)
         for q, v, (angle, *_, owner) in zip(self.q, self.v, names_of_groups, strict=True):
             self.lexicon.coordinate(q, v, owner, slides=angle == "s")
         self.prescribed: dict[tuple[int, int], PrescribedMotion] = {}
@@ -258,8 +263,9 @@ class _Writer:
             )
             for row in terms
         )
-        torque = [sp.Add(*(e for _, e in row)) for row in contributions]
         definitions = {s: self._sensed(dependent.put(e).xreplace(mobility)) for s, e in self.definitions.items()}
+        definitions, contributions = self._shortened(definitions, contributions, (*self.q, *dependent.angles))
+        torque = [sp.Add(*(e for _, e in row)) for row in contributions]
         definitions |= dependent.angles
         self.states = {s: self._sensed(dependent.put(e)) for s, e in self.states.items()} | dependent.rates
         self.switched_constraints = [
@@ -286,6 +292,28 @@ class _Writer:
             tuple(self.switched_constraints), contributions, frozenset(words.inputs), words.entries, words.owners,
             {c.path: type(c.block).__name__ for c in self.assembly.train.components}, ties=ties,
         )  # fmt: skip
+
+    def _shortened(
+        self, definitions: Mapping[Any, Any], rows: Rows, angles: Iterable[Any]
+    ) -> tuple[dict[Any, Any], Rows]:
+        """Definitions and terms of the balances with symbols for what stands in several of one part."""
+        owners, moving = self.lexicon.owners, [*angles]
+        of_parts: dict[str, Part] = {}
+        for s, e in definitions.items():
+            of_parts.setdefault(owners[s], Part({}, {})).definitions[s] = e
+        for i, row in enumerate(rows):
+            for path, term in row:
+                if path in of_parts:
+                    of_parts[path].terms[i] = term
+        found = {
+            path: with_symbols(part, moving, partial(self.lexicon.phase, path), self.lexicon.slope)
+            for path, part in of_parts.items()
+        }
+        shorter = tuple(
+            tuple((path, found[path].terms[i] if path in found else term) for path, term in row)
+            for i, row in enumerate(rows)
+        )
+        return {s: e for part in found.values() for s, e in part.definitions.items()}, shorter
 
     def _sensed(self, expr: Any) -> Any:
         """An expression with the outputs that it senses written out, where blocks show them."""

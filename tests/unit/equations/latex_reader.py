@@ -20,7 +20,7 @@ def read(latex):
         if part.startswith(r"\paragraph"):
             heading = part[len(r"\paragraph{") : -2]
         elif part.startswith(r"\begin{align}"):
-            body = part[len("\\begin{align}\n") : -len("\n\\end{align}")].replace(" \\notag \\\\\n", " ")
+            body = part[len("\\begin{align}\n") : -len("\n\\end{align}")].replace(" \\notag \\\\*\n", " ")
             body = body.replace(r"\begin{aligned}[t]&", " ").replace(r"\\ &\quad ", " ").replace(r"\end{aligned}", " ")
             for row in body.split(" \\\\\n"):
                 left, right = re.split(r" &= |(?<![<>]) = ?", row.replace(r"&\quad", " "), maxsplit=1)
@@ -28,11 +28,11 @@ def read(latex):
     return found
 
 
-def of_all(equations, paths):
+def of_all(equations, feet):
     """Equations of alike parts (an index i, its values in the heading) as those of each part; sums over i as their terms."""
     alike = {}
-    for path in paths:  # at the foot of symbols gear.planet[1] is "gear planet1", and one of any "gear planet i"
-        whole = path.translate({ord("["): None, ord("]"): None, ord("."): r"\,", ord("_"): r"\_"})
+    for foot in feet:  # gear.planet[1] is "planet1" at the foot of symbols, and one of any "planet i"
+        whole = foot.translate({ord(" "): r"\,", ord("_"): r"\_"})
         stem = whole.rstrip("0123456789")
         if stem != whole:
             foot = stem.removesuffix(r"\_")

@@ -11,12 +11,14 @@ import gearblocks as gb
 from gearblocks.cli import scripts
 from gearblocks.equations.latex import name_latex
 from gearblocks.equations.lexicon import flat
+from gearblocks.equations.names import owners
 from gearblocks.geometry.ratio_curves import Pieces
 from gearblocks.language.tables import Table2
 from gearblocks.solver.structures import Code, Method, Options
 from gearblocks.solver.switched_constraints import ConstraintKind
 from gearblocks.train.values import numbers_of
 from tests.unit.equations.latex_reader import Moving, Sheet, UnknownError, bare, of_all, read
+from tests.unit.equations.planets import planets
 
 MODELS = [f"{name}:{maker.name}" for name in scripts.shipped() for maker in scripts.makers(scripts.locate(name)[0])]
 QUICK = ("spline_coupling:build",)
@@ -223,7 +225,7 @@ def _checked(rig, places):
         t, states, drawn, outputs = _point(model, random)
         modes = {c.path: mode for c, mode in zip(eq.switched_constraints, drawn, strict=True)}
         found = eq.in_modes(modes)
-        equations = [*of_all(read(found.latex()), eq.kinds)]
+        equations = [*of_all(read(found.latex()), owners(eq.kinds).values())]
         sheet = _written(equations, _known(rig, model, found, t, states, outputs), tables)
         alpha = _accelerations(found, equations, sheet)
         largest = max((abs(x) for x in alpha), default=0)
@@ -313,3 +315,8 @@ def test_what_stands_on_paper_of_gains_and_of_teeth_is_what_runs(parts):
     _checked(rig, 4)
     written = max(len(text) for equation in read(rig.equations().latex()) for text in equation)
     assert written < 1000, "gains or teeth are written out"
+
+
+@pytest.mark.parametrize("kind", ["waves", "tables", pytest.param("errors", marks=pytest.mark.long)])
+def test_what_stands_on_paper_of_phases_and_slopes_is_what_runs(kind):
+    _checked(planets(kind), 2)

@@ -241,7 +241,7 @@ def test_the_equations_print_in_every_form():
     assert latex.count(r"\begin{align}") == latex.count(r"\end{align}") >= 4
     assert r"\ddot{x}" in latex
     assert r"\cos" in latex
-    assert eq._repr_latex_().startswith("$$")
+    assert eq._repr_latex_().startswith(r"\begin{align*}")
     assert eq.html().count("<math") == eq.html().count("</math>") > 30
     assert eq.mathml().count("<math") > 20
     assert eq.jacobian().shape == (4, 8)
