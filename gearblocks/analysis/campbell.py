@@ -84,8 +84,8 @@ def campbell(
     """Natural frequencies over a speed [rad/s], orders and their crossings.
 
     speed: a Parameter, or the speed of a body ("motor.w") with which all bodies turn in their ratios. orders: by name or
-    as numbers; left out, they follow from the train: one per shaft speed and one per GearMesh (its teeth), relative to
-    the body `reference` (default: the body of `speed`, else the first one). count: the lowest modes only.
+    as numbers; left out, they follow from the train: one per shaft speed and one per GearMesh (its teeth) or planetary set (the
+    teeth that pass its carrier), relative to the body `reference` (default: the body of `speed`, else the first one). count: the lowest modes only.
     """
     model = build(train)
     values = np.atleast_1d(np.asarray(speeds, dtype=float))
@@ -165,19 +165,25 @@ def _orders(
 
 
 def _mesh_orders(train: Drivetrain | Model, point: Point, outputs: Array) -> dict[str, float]:
-    """Tooth meshes per turn of every GearMesh of the train."""
+    """Tooth meshes per turn of every GearMesh of the train, those of planetary sets too: past their carrier."""
     from gearblocks.blocks import GearMesh
 
     if isinstance(train, Model):
         return {}
     index = {q.name: i for i, q in enumerate(point.program.outputs)}
     found: dict[float, list[str]] = {}
-    for path, _, _, block in train._walk():
-        if isinstance(block, GearMesh):
-            carrier = index.get(f"{path}.carrier.w")
-            relative = outputs[index[f"{path}.pinion.w"]] - (outputs[carrier] if carrier is not None else 0.0)
-            found.setdefault(round(abs(float(relative)) * block.teeth[0], 9), []).append(path)
-    return {f"teeth of {_listed(names)}": order for order, names in found.items() if order > 0}
+    for c in train.train().components:
+        if isinstance(c.block, GearMesh):
+            carrier = index.get(f"{c.path}.carrier.w")
+            relative = outputs[index[f"{c.path}.pinion.w"]] - (outputs[carrier] if carrier is not None else 0.0)
+            found.setdefault(round(abs(float(relative)) * c.block.teeth[0], 9), []).append(c.path)
+    return {f"teeth of {_listed(_sets(paths))}": order for order, paths in found.items() if order > 0}
+
+
+def _sets(paths: list[str]) -> list[str]:
+    """Meshes of the planets of a set, which all have one order, by the name of the set."""
+    places = [path.rpartition(".")[0] if path.endswith("]") else path for path in paths]
+    return list(dict.fromkeys(places))
 
 
 def _listed(names: list[str]) -> str:

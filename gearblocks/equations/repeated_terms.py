@@ -52,7 +52,7 @@ def _with_phases(part: Part, angles: set[Any], name: Callable[..., Any]) -> tupl
         alike = {f: times for f in waves if (times := _times(_phase(f), phase))}
         known = any(_times(phase, base) for base in bases)
         if not known and sum(f in alike for f in waves) >= _FEWEST and sp.count_ops(phase) >= _LONG:
-            base = _phase(min(alike, key=lambda f: abs(alike[f])))  # type: ignore[misc]
+            base = _phase(min(alike, key=lambda f: abs(alike[f])))
             bases[base] = all(isinstance(f, TableAt) for f in alike)
     defined = {e: s for s, e in part.definitions.items() if "'" not in s.name}
     new = [base for base in bases if base not in defined]

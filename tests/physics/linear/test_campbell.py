@@ -67,3 +67,31 @@ def test_every_tool_draws_a_picture(tmp_path):
     gb.campbell(rig, "motor.w", gb.rpm(np.linspace(10, 3000, 5))).plot(tmp_path / "campbell.svg")
     gb.frequency_response(_mass(), "tau", "shaft.*", [1.0, 10.0, 100.0]).plot(tmp_path / "bode.pdf")
     assert sorted(p.suffix for p in tmp_path.iterdir()) == [".pdf", ".png", ".svg"]
+
+
+@pytest.mark.parametrize(("held", "driven", "order"), [
+    ("ring", "sun", 42 * 78 / (42 + 78)), ("sun", "ring", 42 * 78 / (42 + 78)), ("carrier", "sun", 42.0),
+])  # fmt: skip
+@pytest.mark.parametrize("nested", [False, True], ids=["whole", "nested"])
+def test_a_planetary_set_has_the_order_of_the_teeth_that_pass_its_carrier(held, driven, order, nested):
+    rig, mesh = gb.Drivetrain("set"), gb.MeshLaw(k=3e8, c=500.0)
+    gear = gb.PlanetaryGear(
+        z_sun=42, z_planet=18, z_ring=78, module="2 mm", pressure_angle="20 deg", planet_inertia=1e-4, sun_mesh=mesh,
+        ring_mesh=mesh,
+    )  # fmt: skip
+    flanges = ("sun", "ring", "carrier")
+    if nested:
+        inner = gb.Drivetrain("stage")
+        whole = inner.add("gear", gear)
+        for flange in flanges:
+            inner.expose(flange, getattr(whole, flange))
+        gear = inner
+    stage = rig.add("stage", gear)
+    for flange in flanges:
+        end = rig.add("case", gb.Fixed()).flange if flange == held else rig.add(flange, gb.Inertia(J=0.01)).a
+        rig.connect(getattr(stage, flange), end)
+    found = gb.campbell(rig, f"{driven}.w", np.linspace(10.0, 2000.0, 5))
+    (name,) = (x for x in found.orders if x.startswith("teeth"))
+    assert name == ("teeth of stage.gear" if nested else "teeth of stage")
+    assert found.orders[name] == pytest.approx(order, rel=1e-9)
+    assert any(c.order == name for c in found.crossings)
