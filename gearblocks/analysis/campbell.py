@@ -84,8 +84,9 @@ def campbell(
     """Natural frequencies over a speed [rad/s], orders and their crossings.
 
     speed: a Parameter, or the speed of a body ("motor.w") with which all bodies turn in their ratios. orders: by name or
-    as numbers; left out, they follow from the train: one per shaft speed and one per GearMesh (its teeth) or planetary set (the
-    teeth that pass its carrier), relative to the body `reference` (default: the body of `speed`, else the first one). count: the lowest modes only.
+    as numbers; left out, they follow from the train: one per shaft speed and one per GearMesh (its teeth) or planetary set
+    (the teeth that pass its carrier), relative to the body `reference` (default: the body of `speed`, else the first one).
+    count: the lowest modes only.
     """
     model = build(train)
     values = np.atleast_1d(np.asarray(speeds, dtype=float))

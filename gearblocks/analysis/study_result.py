@@ -218,8 +218,9 @@ class Study:
             raise StorageError(f"cannot read '{path}': it is not a stored study, or it is damaged ({error})") from error
 
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
-        """Figure of the quantities (default all), one panel each: lines over one dimension, colours over two; points that
-        failed are crosses. Saved to `path` where given. Raises UnknownNameError, ParameterError for more dimensions."""
+        """Figure of the quantities (default all), one panel each: lines over one dimension, colours over two, cases over each
+        value that varies in them; points that failed are crosses. Saved to `path` where given. Raises UnknownNameError,
+        ParameterError for more dimensions."""
         from gearblocks.analysis.study_pictures import picture
 
         for name in names:

@@ -118,10 +118,12 @@ class Unit(NamedTuple):
         return float(Fraction(repr(float(value))) * self.ratio) * math.pi**self.turns
 
     def of_si(self, value: float) -> float:
-        """A value of SI in this unit."""
+        """A value of SI in this unit, without the digits that rounding leaves: 500 rpm and back are 500."""
         if self.is_coherent or not math.isfinite(value):
             return value
-        return float(Fraction(repr(float(value) / math.pi**self.turns)) / self.ratio)
+        found = float(Fraction(repr(float(value) / math.pi**self.turns)) / self.ratio)
+        short = float(f"{found:.15g}")
+        return short if self.in_si(short) == value else found
 
     def measures(self, other: Unit) -> bool:
         """Whether both measure the same. A radian counts as 1; a cycle is none of both, and what is counted per minute or

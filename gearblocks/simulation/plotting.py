@@ -41,6 +41,7 @@ _STYLE: dict[str, Any] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.linewidth": 0.7,
+    "axes.formatter.useoffset": False,
     "grid.color": "#e2e2e2",
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.1,

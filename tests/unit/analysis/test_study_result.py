@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import gearblocks as gb
 
@@ -134,3 +135,64 @@ def test_a_picture_has_two_dimensions_at_most(clutch_model: gb.Model) -> None:
     values = {"gain": [0.0, 0.1], "shaft.k": [1.0, 2.0], "shaft.c": [0.0, 0.1]}
     with pytest.raises(gb.ParameterError, match="one or two dimensions, this study 3"):
         gb.sweep(clutch_model, values, quantity=gb.last("load.w"), t_end=0.01).plot()
+
+
+def _made(paths: dict[str, list[float]], shape: tuple[int, ...], *quantities: NDArray[np.float64]) -> gb.Study:
+    """A study of these values, whose quantities are q0, q1, ..."""
+    n, m = len(next(iter(paths.values()))), len(quantities)
+    return gb.Study(
+        tuple(paths), ("",) * len(paths), np.array([*paths.values()]).T, shape, tuple(f"q{i}" for i in range(m)), ("1",) * m,
+        (1,) * m, np.array(quantities).T, np.ones(n, dtype=np.bool_),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("count", "quantities"), [(2, 1), (3, 2), (5, 1)])
+def test_cases_are_drawn_over_each_value_that_varies_in_them(count: int, quantities: int) -> None:
+    values = np.random.default_rng(3).uniform(1.0, 2.0, (count, 40))
+    values[1] *= 1e-3
+    found = [values[0] ** (i + 2) for i in range(quantities)]
+    found[0][7] = np.nan
+    figure = _made({f"p{i}": [*row] for i, row in enumerate(values)}, (), *found).plot()
+    assert len(figure.axes) == count * quantities
+    for number, axis in enumerate(figure.axes):
+        row, column = divmod(number, count)
+        x, y = axis.lines[0].get_data()
+        assert sorted(x) == pytest.approx(sorted(values[column]))
+        assert dict(zip(x, y, strict=True)) == pytest.approx(
+            dict(zip(values[column], found[row], strict=True)), nan_ok=True
+        )
+        assert bool(axis.get_ylabel()) == (column == 0)
+        assert axis.get_xlabel() == (f"p{column}" if row == quantities - 1 else "")
+        assert [len(line.get_xdata()) for line in axis.lines if line.get_marker() == "x"] == [1] * (row == 0)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("row", "places"),
+    [
+        ([20.0, 50.0, 100.0, 200.0, 400.0], [0, 1, 2, 3, 4]), ([1.0, 10.0, 100.0], [0, 1, 2]),
+        ([1.0, 2.0, 3.0], [1.0, 2.0, 3.0]), ([0.1, 0.2, 0.30000000000000004], [0.1, 0.2, 0.3]), ([7.0, 9.0], [7.0, 9.0]),
+    ],
+)  # fmt: skip
+def test_cells_are_alike_and_have_their_values_at_the_axis(row: list[float], places: list[float]) -> None:
+    other = [1.0, 2.0]
+    points = {"a": [x for x in row for _ in other], "b": [*other] * len(row)}
+    figure = _made(points, (len(row), 2), np.arange(2.0 * len(row))).plot()
+    axis = figure.axes[0]
+    assert axis.get_xticks() == pytest.approx(places)
+    assert [float(label.get_text()) for label in axis.get_xticklabels()] == pytest.approx(row)
+    assert [label.get_text() for label in axis.get_yticklabels()] == ["1", "2"]
+    half = (places[1] - places[0]) / 2
+    assert axis.get_xlim() == pytest.approx((places[0] - half, places[-1] + half))
+
+
+def test_many_uneven_values_have_some_of_them_at_the_axis() -> None:
+    row = [*np.geomspace(1.0, 1e4, 30)]
+    figure = _made({"a": [x for x in row for _ in (0, 1)], "b": [0.0, 1.0] * 30}, (30, 2), np.arange(60.0)).plot()
+    assert [float(label.get_text()) for label in figure.axes[0].get_xticklabels()] == pytest.approx(row[::3], rel=1e-5)
+
+
+@pytest.mark.parametrize("values", [612.2 + 1e-4 * np.arange(5), 1e6 + np.arange(5), -3.0 - 1e-9 * np.arange(5)])
+def test_axes_have_whole_numbers_and_no_offset(values: NDArray[np.float64]) -> None:
+    figure = _made({"a": [*range(5)]}, (5,), values).plot()
+    figure.canvas.draw()
+    assert figure.axes[0].yaxis.get_offset_text().get_text() in ("", "1e6")

@@ -173,3 +173,10 @@ def test_sixty_revolutions_per_minute_are_one_turn_per_second() -> None:
     assert rpm(60) == 2 * math.pi
     assert np.array_equal(rpm(np.array([0.0, 60.0])), [0.0, 2 * math.pi])
     assert np.array_equal(rpm([30.0]), [math.pi])
+
+
+@pytest.mark.parametrize("unit", ["rpm", "deg", "mm", "km/h", "kN m", "um"])
+def test_a_value_in_a_unit_and_back_is_the_value(unit):
+    found = parse_unit(unit)
+    for value in (*range(1, 400), *(n / 10 for n in range(1, 200)), 3500, 500, 1e-7, 123456.789):
+        assert found.of_si(found.in_si(float(value))) == value
