@@ -15,6 +15,7 @@ from gearblocks.language.fields import Flange
 from gearblocks.language.units import declared
 from gearblocks.model.build import check_user_blocks
 from gearblocks.model.effect_removal import needed, without_effects
+from gearblocks.pages import Lines
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
 from gearblocks.train.handles import FlangeHandle, Handle, bare, lost_flanges
 from gearblocks.train.left_out import LeftOut, left_out_of
@@ -336,7 +337,7 @@ class Drivetrain:
         """A table of all blocks with their values and effects, and what among them is hardly meant (mm typed as m ...)."""
         from gearblocks.model.plausibility import described
 
-        return described(self.tree(), len(self.effects()))
+        return Lines(described(self.tree(), len(self.effects())))
 
     def explain(self) -> TrainExplanation:
         """States, switches, the fastest modes, and which element will limit the step."""

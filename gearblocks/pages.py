@@ -1,9 +1,9 @@
-"""HTML from templates: pages in one frame, small tables for notebooks; nothing is fetched from elsewhere."""
+"""HTML from templates: pages in one frame, small tables for notebooks, text as its lines; nothing is fetched from elsewhere."""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any
+from typing import Any, final
 
 MOST_ROWS = 40
 
@@ -33,3 +33,13 @@ def small_table(
     return page(
         "gearblocks", "table.html.jinja", title=title, rows=rows[:MOST_ROWS], head=head, numbers=numbers, notes=said
     )
+
+
+@final
+class Lines(str):
+    """A text that a notebook and IPython show as its lines, not in quotes with \\n between them."""
+
+    __slots__ = ()
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        printer.text("..." if cycle else str(self))

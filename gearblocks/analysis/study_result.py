@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FORMAT = "gearblocks study 1"
+_ENDS, _WIDE = 5, 110  # points at either end of a printed table, and letters in its lines
 
 
 class Failure(NamedTuple):
@@ -126,6 +127,32 @@ class Study:
     def __repr__(self) -> str:
         lines = [f"<{self._title()}", *(f"  {name}: {span}" for name, span in self._spans())]
         return "\n".join([*lines, *(f"  {note}" for note in self._notes())]) + ">"
+
+    def __str__(self) -> str:
+        """What it is, the ranges, and its first and last points as a table."""
+        title = self._title()
+        lines = [title[0].upper() + title[1:], *(f"  {name}: {span}" for name, span in self._spans())]
+        return "\n".join([*lines, *(f"  {note}" for note in self._notes()), "", *self._table()])
+
+    def _table(self) -> list[str]:
+        """Lines of the first and last points, as many columns as fit."""
+        single = [
+            (n, u, self[n].ravel()) for n, u, w in zip(self.names, self.name_units, self.widths, strict=True) if w == 1
+        ]
+        columns = [*zip(self.paths, self.units, self.points.T, strict=True), *single]
+        n = len(self.points)
+        rows = range(n) if n <= 2 * _ENDS + 1 else [*range(_ENDS), None, *range(n - _ENDS, n)]
+        shown: list[list[str]] = []
+        for name, unit, values in columns:
+            cells = ["..." if i is None else _cell(values[i], bool(self.done[i])) for i in rows]
+            cells = [name, "" if unit in ("", "1") else unit, *cells]
+            width = max(map(len, cells))
+            if shown and sum(len(column[0]) + 2 for column in shown) + width > _WIDE:
+                break
+            shown.append([cell.rjust(width) for cell in cells])
+        lines = [line for line in ("  ".join(row).rstrip() for row in zip(*shown, strict=True)) if line]
+        hidden = len(self.paths) + len(self.names) - len(shown)
+        return [*lines, f"and {hidden} more columns: to_xarray() or to_csv() has all"] if hidden else lines
 
     # -- elsewhere ----------------------------------------------------------------------------------------------------
 
@@ -248,6 +275,11 @@ def _restored(data: xarray.Dataset) -> Study:
         paths, tuple(record["units"]), points, shape, tuple(record["names"]), tuple(record["name_units"]),
         tuple(record["widths"]), values, done, {int(i): words for i, words in record["messages"].items()}, record["meta"],
     )  # fmt: skip
+
+
+def _cell(value: float, done: bool) -> str:
+    """A value in a printed table."""
+    return f"{value:.6g}" if np.isfinite(value) else "failed" if done else "not done"
 
 
 def _words(point: Mapping[str, float]) -> str:

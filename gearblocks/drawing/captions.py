@@ -10,10 +10,12 @@ from typing import final
 from gearblocks.blocks import Fixed
 from gearblocks.drawing.scheme import Element
 from gearblocks.drawing.shapes import Shape, Words, text_width
+from gearblocks.language.block import Effect
 from gearblocks.train.summary import field_texts, short_texts
 
 NAME, VALUE = 11.0, 9.0
 _WIDEST, _LINE = 92.0, 13.0
+_SHAPE = ("module", "pressure_angle", "helix_angle", "profile_shift", "face_width", "addendum", "r_base")
 
 
 @final
@@ -53,12 +55,26 @@ class Caption:
 def caption(e: Element, values: bool) -> Caption:
     """The caption of an element; values: whether its values are printed too."""
     single = sum(not isinstance(block, Fixed) for _, block in e.blocks) <= 1
-    shown = (
-        tuple(_cut(t, VALUE) for t in short_texts(e.block, e.slides)[:3])
-        if values and single and not e.parallel
-        else ()
-    )
-    return Caption(tuple(wrapped(e.name)), shown, title(e))
+    shown = _foremost(e)[:3] if values and single and not e.parallel else []
+    return Caption(tuple(wrapped(e.name)), tuple(line for text in shown for line in _lines(text)), title(e))
+
+
+def _foremost(e: Element) -> list[str]:
+    """Values of an element in few letters: stiffness and gap before the shape of the teeth."""
+    texts, gap = short_texts(e.block, e.slides), getattr(e.block, "backlash", None)
+    gaps = short_texts(gap, e.slides) if isinstance(gap, Effect) else []
+    own = [text for text in texts if text.partition(" ")[0] not in _SHAPE]
+    stiffness = [text for text in own if text.startswith("k =")]
+    first = [*own[:1], *(x for x in stiffness if x not in own[:1]), *gaps]
+    return [*dict.fromkeys([*first, *own, *texts])]
+
+
+def _lines(text: str) -> list[str]:
+    """A value in a line, or in two behind its name where that is too long."""
+    if text_width(text, VALUE) <= 1.4 * _WIDEST:
+        return [text]
+    name, _, value = text.partition(" = ")
+    return [f"{_cut(name, VALUE)} =", _cut(value, VALUE)]
 
 
 def title(e: Element) -> str:

@@ -70,6 +70,8 @@ def _short(value: Any, unit: str) -> str:
     if isinstance(value, (Table, Table2)):
         return "a table"
     if isinstance(value, Expr):
+        if value.op == "sense":
+            return str(value.args[0])
         return str(value) if len(str(value)) < 20 else "f(...)"
     if isinstance(value, (int, float, Fraction)) and not isinstance(value, bool):
         return f"{float(value):.4g}".replace("e+0", "e").replace("e-0", "e-") + (f" {unit}" if unit != "1" else "")

@@ -85,3 +85,20 @@ def test_a_long_table_is_cut_and_says_so() -> None:
     text = small_table("numbers", [(i, "<i>") for i in range(MOST_ROWS + 5)], numbers=(0,))
     assert len(cells(text)) == MOST_ROWS and "and 5 more rows" in text and "<i>" not in text
     assert "<table" not in small_table("nothing", ())
+
+
+def test_a_notebook_shows_what_describes_a_train_as_lines() -> None:
+    rig = gb.Drivetrain("two")
+    rig.chain(rig.add("a", gb.Inertia(J=1.0)), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("b", gb.Inertia(J=2.0)))
+    told = rig.describe()
+    written: list[str] = []
+
+    class Printer:
+        text = staticmethod(written.append)
+
+    told._repr_pretty_(Printer(), False)  # type: ignore[attr-defined]
+    assert written == [str(told)]
+    assert isinstance(told, str)
+    assert len(written[0].splitlines()) >= 4
+    told._repr_pretty_(Printer(), True)  # type: ignore[attr-defined]
+    assert written[1] == "..."

@@ -196,3 +196,31 @@ def test_axes_have_whole_numbers_and_no_offset(values: NDArray[np.float64]) -> N
     figure = _made({"a": [*range(5)]}, (5,), values).plot()
     figure.canvas.draw()
     assert figure.axes[0].yaxis.get_offset_text().get_text() in ("", "1e6")
+
+
+@pytest.mark.parametrize(("count", "rows"), [(3, 3), (11, 11), (12, 11), (200, 11)])
+def test_a_printed_study_shows_its_first_and_last_points(count: int, rows: int) -> None:
+    values = np.linspace(1.0, 2.0, count)
+    found = _made(
+        {"a": [*values], "bb": [*(10 * values)]}, (), values**2, np.where(values == values[1], np.nan, values)
+    )
+    head, *table = str(found).split("\n\n")[1].splitlines()
+    assert head.split() == ["a", "bb", "q0", "q1"]
+    assert len(table) == rows
+    numbers = [line.split() for line in table]
+    assert [float(row[0]) for row in (numbers[0], numbers[-1])] == [1.0, 2.0]
+    assert numbers[1][3] == "failed"
+    assert (["..."] * 4 in numbers) == (count > 11)
+    assert "1 points failed" not in str(found)
+    assert repr(found).startswith("<study of")
+
+
+def test_columns_that_do_not_fit_are_counted_and_points_that_are_not_reached_said() -> None:
+    found = _made({f"a_long_path.of_a_value_{i}": [1.0, 2.0] for i in range(9)}, (), np.array([np.nan, 3.0]))
+    found.done[0] = False
+    lines = str(found).splitlines()
+    assert max(map(len, lines[-4:])) <= 110
+    assert lines[-1] == "and 6 more columns: to_xarray() or to_csv() has all"
+    short = _made({"a": [1.0, 2.0]}, (2,), np.array([np.nan, 3.0]))
+    short.done[0] = False
+    assert "not done" in str(short)

@@ -261,3 +261,35 @@ def test_a_drawing_is_saved_as_svg_alone(tmp_path: Path) -> None:
     with pytest.raises(gb.ParameterError, match="is no name of a file"):
         _pair().draw(5)  # type: ignore[arg-type]
     assert _pair().draw(tmp_path / "again.svg").text == (tmp_path / "again.svg").read_text(encoding="utf-8")
+
+
+_MESH = {
+    "teeth": (23, 41),
+    "module": "3 mm",
+    "pressure_angle": "20 deg",
+    "external": True,
+    "k": 2e8,
+    "damping_ratio": 0.05,
+}
+
+
+@pytest.mark.parametrize(
+    ("block", "told"),
+    [
+        (gb.GearMesh(**_MESH, backlash=gb.Backlash(half_gap="30 um")), ["teeth = 23:41", "k = 2e8 N/m", "half_gap = 30 um"]),
+        (gb.GearMesh(**_MESH), ["teeth = 23:41", "k = 2e8 N/m", "damping_ratio = 0.05"]),
+        (
+            gb.SplineCoupling(teeth=9, radius=0.1, k=2e6, c=0.2, backlash=gb.Backlash(half_gap=1e-5)),
+            ["k = 2e6 N/m", "half_gap = 1e-5 m"],
+        ),
+        (gb.Governor(target="1500 rpm", gain=0.02, integral_gain=0.0212345), ["integral_gain =", "0.02123 1/rad"]),
+        (gb.Governor(target=gb.sense("load.w"), gain=0.02), ["target = load.w"]),
+    ],
+)  # fmt: skip
+def test_the_values_beside_a_symbol_are_whole_and_those_that_matter(block: gb.Block, told: list[str]) -> None:
+    rig = gb.Drivetrain("values")
+    part, load = rig.add("part", block), rig.add("load", gb.Inertia(J=1.0))
+    rig.connect(getattr(part, next(iter(type(block).flanges))), load.a)
+    text = str(rig.draw(values=True))
+    assert [x for x in told if f">{x}</text>" not in text] == []
+    assert "…</text>" not in text
