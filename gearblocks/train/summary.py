@@ -41,7 +41,7 @@ def _behind(unit: str) -> str:
     return "" if unit in ("", "1") else f" {unit}"
 
 
-def short_texts(block: Block, slides: bool) -> list[str]:
+def short_texts(block: Declared, slides: bool) -> list[str]:
     """ "k = 2e+04 N m/rad" and the like for the parameters and signals alone, start values left out."""
     found = []
     for name, field in type(block).fields.items():
