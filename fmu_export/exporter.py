@@ -25,8 +25,9 @@ from fmu_export.variables import Variable, variables_of
 from gearblocks.codegen.program import Program
 from gearblocks.drawing.drawing import Drawing, shown_drawing
 from gearblocks.errors import ParameterError, by_name_only, warn
+from gearblocks.language.units import seconds
 from gearblocks.model.following_starts import numbers_of_their_own
-from gearblocks.simulation.arguments import parameter_vector
+from gearblocks.simulation.arguments import duration, parameter_vector
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -48,14 +49,14 @@ def export(
     outputs: str | Sequence[str] = "*",
     method: str = "auto",
     rtol: float = 1e-6,
-    step: float | None = None,
-    max_step: float | None = None,
+    step: float | str | None = None,
+    max_step: float | str | None = None,
     locate: bool = True,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     initial: Any = None,
-    t_end: float | None = None,
-    communication_step: float | None = None,
-    patience: float | None = 0.5,
+    t_end: float | str | None = None,
+    communication_step: float | str | None = None,
+    patience: float | str | None = 0.5,
 ) -> Path:
     """Write `train` (a train, a Model, or the train of a Scene as the scene starts it) as an FMU for co-simulation and return
     its path.
@@ -65,7 +66,9 @@ def export(
     earlier run or a state vector; with these the start values of the states take the place of start parameters.
     t_end, communication_step: default experiment [s] (t_end: that of the scene, else 1 s). patience: processor time [s]
     after which a step that is asked of the FMU ends on its way with fmi2Discard, to be asked for again or gone on from;
-    0: after a few internal steps; None: however long it takes.
+    0: after a few internal steps; None: however long it takes. Times may be text with a unit, such as "20 ms".
+    All variables of an FMU are in SI and radians, as its description says: an input declared as gb.Input("target", unit="rpm")
+    is one in rad/s there, with rpm as the unit that is shown (displayUnit), while simulate and check take bare numbers in rpm.
     Raises ParameterError or UnknownNameError for what cannot be exported; an existing file is replaced whole or kept.
     """
     from gearblocks.drivetrain import Drivetrain
@@ -84,11 +87,16 @@ def export(
     _say_what_does_not_follow(model)
     start = start_vector(program, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
+    patience = None if patience is None else seconds("patience", patience)
     if patience is not None and not patience >= 0:
         raise ParameterError(f"patience = {patience!r} s must be >= 0, or None")
     program = replace(program, parameters=opened_bounds(model, values, start, solver))
     variables = variables_of(program, values, outputs, solver, start)
-    experiment = Experiment(1.0 if t_end is None else t_end, solver.rtol, communication_step)
+    experiment = Experiment(
+        1.0 if t_end is None else seconds("t_end", t_end),
+        solver.rtol,
+        duration("communication_step", communication_step),
+    )
     drawing = None if model.tree is None else shown_drawing(model.tree)
     made = Manifest(program, values, solver, start, _shown(variables))
     content = Content(fmi, made, variables, experiment, patience, drawing)

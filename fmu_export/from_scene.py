@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 def started_as_in(
-    scene: Scene, parameters: Mapping[str, float] | None, initial: Any, t_end: float | None
-) -> tuple[Drivetrain, Mapping[str, Any], Any, float, dict[str, float]]:
+    scene: Scene, parameters: Mapping[str, float | str] | None, initial: Any, t_end: float | str | None
+) -> tuple[Drivetrain, Mapping[str, Any], Any, float | str, dict[str, float]]:
     """Train, parameters, start, end [s] and constant inputs of a scene, with what is given instead. An equilibrium becomes
     the state that it is. Raises ParameterError for what is no scene."""
     from gearblocks.analysis.scenes.bench import bench_of

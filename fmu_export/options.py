@@ -30,10 +30,13 @@ class SolverOptions:
         return Options(method, int(self.locate), self.rtol, *limits)
 
 
-def solver_options(method: str, rtol: float, step: float | None, max_step: float | None, locate: bool) -> SolverOptions:
+def solver_options(
+    method: str, rtol: float, step: float | str | None, max_step: float | str | None, locate: bool
+) -> SolverOptions:
     """Settings as simulate() would choose them for these arguments. Raises ParameterError."""
     chosen, _ = method_options(method, rtol, step, max_step, locate, math.inf)
-    return SolverOptions(Method(chosen.method).name.lower(), rtol, step, max_step, locate)
+    longest = chosen.max_step if math.isfinite(chosen.max_step) else None
+    return SolverOptions(Method(chosen.method).name.lower(), chosen.rtol, chosen.step or None, longest, bool(locate))
 
 
 @dataclass(frozen=True, slots=True)

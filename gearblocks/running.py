@@ -31,8 +31,8 @@ def build(train: Drivetrain | Model) -> Model:
 @by_name_only
 def simulate(
     train: Drivetrain | Model, *, t_end: float | str | None = None, t: ArrayLike | None = None,
-    t_start: float | str | None = None, method: str = "auto", rtol: float = 1e-6, step: float | None = None,
-    max_step: float | None = None, locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
+    t_start: float | str | None = None, method: str = "auto", rtol: float = 1e-6, step: float | str | None = None,
+    max_step: float | str | None = None, locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Start = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None, residual: float | None = None,
     watch: bool = True,
@@ -43,6 +43,7 @@ def simulate(
     sample times [s].
     t_start: start [s], default 0. method: "auto", "rk4" (needs step), "dp5", "dp8", "rodas". rtol: tolerance relative to the
     largest value of each state so far. step: fixed step [s] for any method. max_step: longest step [s].
+    Each of these times may be text with its unit, such as "20 ms".
     locate: False locates nothing: every stage of a step takes the side it is on, as an `if` in the right-hand side does (to see
     what that costs); friction, stops and lossy gears then change at the ends of steps.
     inputs: by name a number, a `Table` over time, a pair (t, y) or a Series of pandas over time [s] (straight lines between

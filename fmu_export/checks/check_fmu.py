@@ -15,13 +15,17 @@ import sys
 import tempfile
 import time
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from fmu_export.checks.inputs import plain
 from fmu_export.checks.limits import DEATHS, SECONDS_OF_ALL, SECONDS_OF_ONE
 from fmu_export.checks.report import Item, Report
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.language.units import seconds
+from gearblocks.simulation.arguments import InputSource
 
 _POLL = 0.02  # s between looks at what the child has written
 _SOURCES = Path(__file__).parents[2]
@@ -29,16 +33,27 @@ _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 """Each thread of a linear algebra that nobody uses here would take its share of the address space."""
 
 
-def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: int = 500) -> Report:
+@by_name_only
+def check(
+    path: str | os.PathLike[str], *, t_end: float | str | None = None, steps: int = 500,
+    inputs: Mapping[str, InputSource] | None = None,
+) -> Report:  # fmt: skip
     """Report on an FMU: files, fmpy's validation, life cycle, a run by fmpy and the difference from the run in-process.
 
-    t_end [s]: end of the run, by default that of the description; steps: communication steps of the run. FMUs of
+    t_end [s, or text such as "20 ms"]: end of the run, by default that of the description; steps: communication steps of the
+    run. inputs: by name what the run gets instead of their start values, a number or text with its unit, a pair (t, y), a
+    Series of pandas or a gb.Table, held over each communication step as FMI does; bare numbers are in the unit that the
+    train declares for the input, as in simulate (of FMUs of others: in that of the description). FMUs of
     others are asked for what the standard asks for; what it leaves open is said and not judged. A check that cannot be
     made is listed, a check that breaks down or takes longer than a minute has failed. Memory is limited where the
     system knows such limits (not on Windows), time everywhere.
-    Raises ParameterError where there is no FMU at `path`.
+    Raises ParameterError where there is no FMU at `path`, and for arguments that make no sense.
     """
     fmu = Path(path)
+    end = None if t_end is None else seconds("t_end", t_end)
+    if isinstance(steps, bool) or not isinstance(steps, int) or steps < 1:
+        raise ParameterError(f"steps = {steps!r} must be a whole number of communication steps, >= 1")
+    given = plain(inputs)
     if not fmu.is_file():
         raise ParameterError(f"there is no file '{fmu}'; fmu_export.export, or `gearblocks export`, writes an FMU")
     if not zipfile.is_zipfile(fmu):
@@ -46,7 +61,7 @@ def check(path: str | os.PathLike[str], *, t_end: float | None = None, steps: in
             f"'{fmu}' is no FMU: it is not a zip file; name a file that ends in .fmu and export it anew"
         )
     with tempfile.TemporaryDirectory(prefix="gearblocks-check-", ignore_cleanup_errors=True) as place:
-        work = _Work(fmu.resolve(), Path(place), t_end, steps)
+        work = _Work(fmu.resolve(), Path(place), end, steps, given)
         while not work.done:
             work.go_on()
     return Report(fmu, tuple(work.items), tuple(work.differences.items()))
@@ -60,6 +75,7 @@ class _Work:
     folder: Path
     t_end: float | None
     steps: int
+    inputs: dict[str, Any]
     items: list[Item] = field(default_factory=list)
     differences: dict[str, float] = field(default_factory=dict)
     done: bool = False
@@ -73,7 +89,7 @@ class _Work:
         said = self.folder / f"said-{self.deaths}.jsonl"
         order = {
             "fmu": str(self.fmu), "folder": str(self.folder / "fmu"), "said": str(said), "t_end": self.t_end,
-            "steps": self.steps, "made": [[i.name, i.ok, i.words] for i in self.items],
+            "steps": self.steps, "inputs": self.inputs, "made": [[i.name, i.ok, i.words] for i in self.items],
         }  # fmt: skip
         self.at, self.since = "", time.monotonic()
         paths = [str(_SOURCES), *filter(None, [os.environ.get("PYTHONPATH")])]

@@ -1,7 +1,7 @@
 """python -m fmu_export.checks.child ORDER: makes the checks of one FMU, one after the other, and writes down each.
 
 A line of JSON says at which check it is, another what came out. ORDER (JSON): the FMU, a folder for its files, the file
-to write to, t_end and steps of the run, and the checks that another process has made before.
+to write to, t_end, steps and inputs of the run, and the checks that another process has made before.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from typing import Any
 
 from fmu_export.checks import file as check_file
 from fmu_export.checks import lifecycle, run, start_values, wrong_calls
+from fmu_export.checks.inputs import sampled
 from fmu_export.checks.instance import Plan, Unpacked, times_of
 from fmu_export.checks.limits import limit_this_process
 from fmu_export.checks.report import Item
@@ -39,7 +40,7 @@ class Child:
 
     def __init__(self, order: dict[str, Any]) -> None:
         self.fmu, self.folder = Path(order["fmu"]), Path(order["folder"])
-        self.t_end, self.steps = order["t_end"], int(order["steps"])
+        self.t_end, self.steps, self.inputs = order["t_end"], int(order["steps"]), order["inputs"]
         self.said = Path(order["said"])
         self.made = {name: Item(name, ok, words) for name, ok, words in order["made"]}
 
@@ -113,14 +114,15 @@ class Child:
         """What needs the binary."""
         begin, stop = times_of(unpacked.description, self.t_end)
         plan = Plan(unpacked, begin, stop, self.steps)
+        inputs = sampled(self.inputs, unpacked.description, unpacked.own, plan.points)
         for name, call in BY_INSTANCES.items():
             self.make(name, lambda call=call: call(plan))  # type: ignore[misc]
         results: list[Any] = []
         if "run" not in self.made:
-            self.make("run", lambda: run.check_run(plan, results))
+            self.make("run", lambda: run.check_run(plan, inputs, results))
         differences: dict[str, float] = {}
         if results:
-            self.make("in-process", lambda: run.compare(unpacked, results[0], stop, differences), differences)
+            self.make("in-process", lambda: run.compare(plan, inputs, results[0], differences), differences)
 
 
 def main(order: str) -> None:

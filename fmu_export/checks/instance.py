@@ -8,6 +8,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from fmu_export import manifest
 from gearblocks.errors import ParameterError
 
@@ -44,6 +47,12 @@ class Plan:
         if asked is not None and 0.0 < 64 * float(asked) <= span:
             return float(asked)
         return span / self.steps if self.unpacked.own else span / max(self.steps, 64)
+
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """The communication points, as fmpy makes them."""
+        count = round((self.stop - self.begin) / self.h)
+        return np.array([min(self.begin + i * self.h, self.stop) for i in range(count + 1)])
 
     @property
     def tolerance(self) -> float:

@@ -55,8 +55,8 @@ class Settings:
     keep: int
     method: str
     rtol: float
-    step: float | None
-    max_step: float | None
+    step: float | str | None
+    max_step: float | str | None
     locate: bool
     steps_per_period: int | None
     inputs: Mapping[str, Any] | None

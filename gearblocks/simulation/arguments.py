@@ -69,7 +69,7 @@ def sample_times(begin: float, t_end: float | str | None, t: ArrayLike | None) -
 
 
 def method_options(
-    method: str, rtol: float, step: float | None, max_step: float | None, locate: bool, end: float
+    method: str, rtol: float, step: float | str | None, max_step: float | str | None, locate: bool, end: float
 ) -> tuple[Options, str]:  # fmt: skip
     """The options of the solver, and why this method."""
     try:
@@ -81,7 +81,7 @@ def method_options(
 
 @lru_cache(maxsize=64, typed=True)
 def _checked_options(
-    method: str, rtol: float, step: float | None, max_step: float | None, locate: bool
+    method: str, rtol: float, step: float | str | None, max_step: float | str | None, locate: bool
 ) -> tuple[tuple[float, ...], str]:
     if method not in ("auto", *METHODS):
         raise ParameterError(
@@ -90,9 +90,7 @@ def _checked_options(
     rtol = finite_number("rtol", rtol)
     if not 1e-14 <= rtol <= 0.1:
         raise ParameterError(f"rtol = {rtol!r} must lie between 1e-14 and 0.1")
-    for name, value in (("step", step), ("max_step", max_step)):
-        if value is not None and finite_number(name, value) <= 0:
-            raise ParameterError(f"{name} = {value!r} s must be > 0")
+    step, max_step = duration("step", step), duration("max_step", max_step)
     if not isinstance(locate, (bool, np.bool_)):
         raise ParameterError(f"locate = {locate!r} must be True or False")
     if method == "rk4" and step is None:
@@ -102,6 +100,16 @@ def _checked_options(
         why = f"rtol = {rtol:g}: order 8 pays from 1e-3 down, order 5 above"
     number = METHODS.get(method, Method.AUTO)
     return (number, int(locate), rtol, step or 0.0, max_step or math.inf), why
+
+
+def duration(name: str, value: float | str | None) -> float | None:
+    """A time [s] above 0, or text with its unit; None stays."""
+    number = None if value is None else seconds(name, value)
+    if number is not None and number <= 0:
+        raise ParameterError(
+            f"{name} = {value!r} s must be > 0" if number == value else f"{name} = {value!r} must be > 0"
+        )
+    return number
 
 
 def check_jacobian(options: Options, program: Program, has_jacobian: bool) -> None:

@@ -56,7 +56,7 @@ from gearblocks.solver.structures import Array, Code, Counters, Options
 def run_model(
     model: Model, *, t_end: float | str | None = None, t: ArrayLike | None = None,
     t_start: float | str | None = None,
-    method: str = "auto", rtol: float = 1e-6, step: float | None = None, max_step: float | None = None,
+    method: str = "auto", rtol: float = 1e-6, step: float | str | None = None, max_step: float | str | None = None,
     locate: bool = True, inputs: Mapping[str, InputSource] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Start = None,
     outputs: str | Sequence[str] = "*", progress: Callable[[float], None] | None = None,
