@@ -41,23 +41,12 @@ _PLANNED = ("3.0",)
 
 @by_name_only
 def export(
-    train: Drivetrain | Model | Scene,
-    path: str | os.PathLike[str],
-    *,
-    fmi: str = "2.0",
-    platforms: Sequence[str] = ("native",),
-    outputs: str | Sequence[str] = "*",
-    method: str = "auto",
-    rtol: float = 1e-6,
-    step: float | str | None = None,
-    max_step: float | str | None = None,
-    locate: bool = True,
-    parameters: Mapping[str, float | str] | None = None,
-    initial: Any = None,
-    t_end: float | str | None = None,
-    communication_step: float | str | None = None,
-    patience: float | str | None = 0.5,
-) -> Path:
+    train: Drivetrain | Model | Scene, path: str | os.PathLike[str], *, fmi: str = "2.0",
+    platforms: Sequence[str] = ("native",), outputs: str | Sequence[str] = "*", method: str = "auto", rtol: float = 1e-6,
+    step: float | str | None = None, max_step: float | str | None = None, locate: bool = True,
+    parameters: Mapping[str, float | str] | None = None, initial: Any = None, t_end: float | str | None = None,
+    communication_step: float | str | None = None, patience: float | str | None = 0.5,
+) -> Path:  # fmt: skip
     """Write `train` (a train, a Model, or the train of a Scene as the scene starts it) as an FMU for co-simulation and return
     its path.
 

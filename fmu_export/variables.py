@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from fmu_export.options import RTOL_RANGE, SolverOptions
 from fmu_export.start import start_offsets
 from gearblocks.codegen.program import Program
-from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
-from gearblocks.model.listing import matches
+from gearblocks.errors import ParameterError, UnknownNameError
+from gearblocks.model.listing import matches, near_patterns
 
 KINDS = ("solver", "parameter", "input", "output", "start")
 KIND_SHIFT = 24
@@ -122,8 +122,8 @@ def _outputs(program: Program, patterns: str | Sequence[str], taken: set[str]) -
     for pattern in (patterns,) if isinstance(patterns, str) else tuple(patterns):
         found = [i for i, q in enumerate(program.outputs) if matches(q.name, pattern)]
         if not found and pattern != "*":
-            near = did_you_mean(pattern, [q.name for q in program.outputs])
-            raise UnknownNameError(f"no output of '{program.name}' matches '{pattern}'{near}")
+            near = near_patterns(pattern, [q.name for q in program.outputs])
+            raise UnknownNameError(f"no output of '{program.name}' matches '{pattern}'{near}; rig.outputs() lists them")
         if pattern in unknown:
             raise ParameterError(
                 f"outputs: '{pattern}' is not known: its shaft has no inertia, so no equation gives the acceleration; leave "

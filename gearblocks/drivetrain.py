@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
-from gearblocks.errors import ModelError, by_name, did_you_mean
+from gearblocks.errors import ModelError, by_name, did_you_mean, missing_attribute
 from gearblocks.language.block import Block
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import Flange
@@ -344,6 +344,11 @@ class Drivetrain:
         from gearblocks.model.explaining import explanation_of
 
         return explanation_of(self.train())
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            raise missing_attribute("Drivetrain", name, parts=self.__dict__.get("_parts", ()))
 
     def __repr__(self) -> str:
         names = [*self._parts]

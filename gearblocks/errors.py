@@ -96,6 +96,29 @@ class SimulationError(GearblocksError):
         return f"{place}{self.cause} at t = {self.time:.9g} s{remedy}"
 
 
+def missing_attribute(
+    kind: str, name: str, *, parts: Iterable[str] = (), outputs: Iterable[str] = ()
+) -> UnknownAttributeError | AttributeError:
+    """The error of an attribute that a train or a run has not: by what it is a part, an output, or a function of its own."""
+    if name.startswith("_"):
+        return AttributeError(name)
+    ways = (
+        [f"rig['{name}']"]
+        if name in parts
+        else [f"run['{x}']" for x in outputs if x == name or x.endswith(f".{name}")][:3]
+    )
+    if not ways and name in _FUNCTIONS:
+        ways = [f"gb.{name}({'rig' if kind == 'Drivetrain' else 'run'}, ...)"]
+    listed = "rig.outputs() and rig.parameters() list names" if kind == "Drivetrain" else "run.names lists the outputs"
+    return UnknownAttributeError(
+        f"a {kind} has no attribute '{name}'; {f'write {chr(32).join(ways)}' if ways else listed}"
+    )
+
+
+_FUNCTIONS = ("build", "simulate", "modes", "linearize", "sweep", "study", "campbell", "fit", "classify", "rms", "peak")
+"""What a train or a run is given to, and has not itself."""
+
+
 def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """The function, with ParameterErrors for values without a name that need one, and for names that it has not."""
     code = function.__code__

@@ -5,6 +5,7 @@ The text or bytes go to a new file beside the target, which takes the target's p
 
 from __future__ import annotations
 
+import errno
 import os
 import tempfile
 from collections.abc import Iterator
@@ -95,4 +96,5 @@ def _complaint(target: Path, error: OSError) -> str:
     if not target.parent.is_dir():
         return f"cannot write '{target}': there is no folder '{target.parent}'; make it or choose another place"
     kept = "; the file that was there is unchanged" if target.exists() else ""
-    return f"cannot write '{target}': {reason(error)}{kept}; free some space or choose another place"
+    full = error.errno in (errno.ENOSPC, getattr(errno, "EDQUOT", None), errno.EFBIG)
+    return f"cannot write '{target}': {reason(error)}{kept}; {'free some space or ' * full}choose another place"

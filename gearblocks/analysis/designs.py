@@ -7,16 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.errors import ParameterError, by_name
 from gearblocks.language.expression import finite_number
-from gearblocks.language.units import has_unit
+from gearblocks.language.units import check_unit, has_unit, in_unit, unit_written
 
 Array = NDArray[np.float64]
+Bounds: TypeAlias = "tuple[float, float] | tuple[str, str]"
 
 
 @final
@@ -74,46 +75,68 @@ def with_numbers(given: Any, number: Callable[[str, Any], float]) -> Any:
     return [{path: number(path, x) if has_unit(x) else x for path, x in case.items()} for case in given]
 
 
+def paths_of(given: Any) -> set[str]:
+    """Paths of values, or of dicts of a case each."""
+    listed = [given] if isinstance(given, Mapping) else given if isinstance(given, Sequence) else []
+    return {path for case in listed if isinstance(case, Mapping) for path in case if isinstance(path, str)}
+
+
 def _has_texts(values: Any) -> bool:
     return isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind in "UO"
 
 
-def latin_hypercube(bounds: Mapping[str, tuple[float, float]], number: int, *, seed: int = 0) -> dict[str, Array]:
+def latin_hypercube(bounds: Mapping[str, Bounds], number: int, *, seed: int = 0) -> dict[str, NDArray[Any]]:
     """Cases for `gb.study`: `number` values of every path between (low, high), one in each of as many equal slices of it.
 
-    Returns columns of shape (number,) by path; the same seed gives the same ones (scipy.stats.qmc.LatinHypercube).
+    Bounds may bring their unit ("100 MN/m", "200 MN/m"); so do the values then. Returns columns of shape (number,) by path;
+    the same seed gives the same ones (scipy.stats.qmc.LatinHypercube).
     """
     from scipy.stats import qmc
 
     return _scaled(bounds, lambda d, n: qmc.LatinHypercube(d, seed=np.random.default_rng(seed)).random(n), number)
 
 
-def random_cases(bounds: Mapping[str, tuple[float, float]], number: int, *, seed: int = 0) -> dict[str, Array]:
+def random_cases(bounds: Mapping[str, Bounds], number: int, *, seed: int = 0) -> dict[str, NDArray[Any]]:
     """Cases for `gb.study`: `number` independent values of every path, uniform between (low, high).
 
-    Returns columns of shape (number,) by path; the same seed gives the same ones.
+    Bounds may bring their unit; so do the values then. Returns columns of shape (number,) by path; the same seed gives the
+    same ones.
     """
     return _scaled(bounds, lambda d, n: np.random.default_rng(seed).random((n, d)), number)
 
 
-def _scaled(bounds: Mapping[str, tuple[float, float]], unit_points: Any, number: int) -> dict[str, Array]:
+def _scaled(bounds: Mapping[str, Bounds], unit_points: Any, number: int) -> dict[str, NDArray[Any]]:
     if isinstance(number, bool) or not isinstance(number, (int, np.integer)) or number < 1:
         raise ParameterError(f"number = {number!r} must be a whole number of cases, >= 1")
-    lows, highs = [], []
+    lows: list[float] = []
+    highs: list[float] = []
+    units: list[str | None] = []
     for path, pair in _named(bounds).items():
         try:
             low, high = pair
         except (TypeError, ValueError):
             raise ParameterError(f"'{path}': {pair!r:.80} must be the pair (low, high)") from None
-        lows.append(finite_number(f"the lower bound of '{path}'", low))
-        highs.append(finite_number(f"the upper bound of '{path}'", high))
+        unit = unit_written(low)
+        names = (f"the lower bound of '{path}'", f"the upper bound of '{path}'")
+        if (unit is None) != (unit_written(high) is None):
+            raise ParameterError(
+                f"'{path}': the bounds {low!r} and {high!r} must both bring their unit, or none of them"
+            )
+        for name, bound, row in zip(names, (low, high), (lows, highs), strict=True):
+            row.append(finite_number(name, bound) if unit is None else in_unit(name, bound, check_unit(name, unit)))
+        units.append(unit)
         if not lows[-1] < highs[-1]:
             raise ParameterError(f"'{path}': the lower bound {low!r} must be below the upper one, {high!r}")
     points = unit_points(len(lows), int(number))
     return {
-        path: low + (high - low) * points[:, i]
-        for i, (path, low, high) in enumerate(zip(bounds, lows, highs, strict=True))
+        path: _column(low + (high - low) * points[:, i], unit)
+        for i, (path, low, high, unit) in enumerate(zip(bounds, lows, highs, units, strict=True))
     }
+
+
+def _column(numbers: Array, unit: str | None) -> NDArray[Any]:
+    """Numbers, or texts of them with their unit."""
+    return numbers if unit is None else np.array([f"{x!r} {unit}" for x in numbers.tolist()])
 
 
 def _named(values: Any) -> Mapping[str, Any]:
@@ -134,7 +157,8 @@ def _row(path: str, values: Any) -> Array:
     if row.ndim != 1 or not len(row):
         raise ParameterError(f"'{path}': a row of numbers is needed, not an array of shape {row.shape}")
     if not np.isfinite(row).all():
-        raise ParameterError(f"'{path}': value number {int(np.argmin(np.isfinite(row)))} is not finite")
+        i = int(np.argmin(np.isfinite(row)))
+        raise ParameterError(f"'{path}': value [{i}] = {row[i]} must be a finite number; leave it out or repair it")
     return row
 
 

@@ -17,6 +17,7 @@ from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats, st
 from gearblocks.analysis.span import Span
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
+from gearblocks.language.units import has_unit, number_in_si
 from gearblocks.model.listing import matches
 from gearblocks.simulation.needs import Along, Needs, Solution
 
@@ -241,11 +242,16 @@ def dynamic_factor(
     )  # fmt: skip
 
 
-def line(output: str, frequency: float, *, after: float | str | None = None, before: float | str | None = None) -> Line:
-    """Amplitude, in its unit, of the part of an output at a frequency [Hz], between the times after and before [s]."""
-    if not finite_number("frequency", frequency) > 0:
+def line(
+    output: str, frequency: float | str, *, after: float | str | None = None, before: float | str | None = None
+) -> Line:
+    """Amplitude, in its unit, of the part of an output at a frequency [Hz, or such as "1.15 kHz"], between the times after and
+    before [s]."""
+    what = "line: frequency"
+    number = number_in_si(what, frequency, "Hz") if has_unit(frequency) else finite_number(what, frequency)
+    if not number > 0:
         raise ParameterError(f"line: frequency = {frequency!r} Hz must be > 0; gb.mean(output) is the part at 0")
-    return Line(text_of("output", output), float(frequency), time_of("after", after), time_of("before", before))
+    return Line(text_of("output", output), number, time_of("after", after), time_of("before", before))
 
 
 def period(

@@ -28,8 +28,10 @@ from gearblocks.simulation.arguments import (
     InputSource,
     Start,
     begin_of,
+    check_start,
     checked,
     is_static,
+    listed,
     parameter_vector,
     picked_outputs,
     resolve,
@@ -66,6 +68,7 @@ def operating_point(
     inputs: Mapping[str, InputSource] | None = None,
 ) -> Iterator[Point]:  # fmt: skip
     """The model at an operating point (see above); inputs: their values, else those they start with."""
+    check_start("at", at)
     program = model.program
     begin = begin_of(t, at)
     with model.library.open() as sim:
@@ -176,8 +179,10 @@ def linearize(
     inputs: Sequence[str] | Mapping[str, InputSource] | None = None, outputs: str | Sequence[str] = "*",
     t: float | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> Linearization:  # fmt: skip
-    """The state matrices of a train at a point (see the module for `at`).
+    """The state matrices of a train at a point.
 
+    at: "static" (the equilibrium with every excitation at its mean, contact side from the load), "static_at_start" (under
+    everything as it is at t), None (the start values), a dict of start values, an earlier run (its end), "rolling".
     inputs: names of Inputs (default: all) or paths of tunable parameters such as "load.tau"; as a dict with the values
     that the Inputs have at the point. outputs: patterns; one that needs an absolute angle brings it along as a state
     ("*" leaves such outputs out); their order stays. t: instant [s], default 0 or the end of the run.
@@ -290,7 +295,8 @@ def _inputs(point: Point, names: Sequence[str], columns: Indices, pick: list[int
             up, down, width = _moved_parameter(point, resolve(name, paths, "parameter"), columns, pick)
         else:
             raise UnknownNameError(
-                f"there is no input or tunable parameter '{name}'{did_you_mean(name, [*inputs, *paths])}"
+                f"there is no input or tunable parameter '{name}'; there are {listed([*inputs, *paths])}"
+                f"{did_you_mean(name, [*inputs, *paths])}"
             )
         slope = (up - down) / width
         B[:, j], D[:, j] = slope[: len(columns)], slope[len(columns) :]
@@ -365,7 +371,8 @@ def frequency_response(
     train: Drivetrain | Model, input: str, outputs: str | Sequence[str], frequencies: Any, *, at: OperatingPoint = "static",
     t: float | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> FrequencyResponse:  # fmt: skip
-    """The response of outputs to an Input, or to a tunable parameter such as "load.tau", at frequencies in rad/s."""
+    """The response of outputs to an Input, or to a tunable parameter such as "load.tau", at frequencies in rad/s; at: as of
+    `linearize`."""
     model = build(train)
     found = linearize(model, at, inputs=[input], outputs=outputs, t=t, parameters=parameters)
     w = np.atleast_1d(np.asarray(frequencies, dtype=float))

@@ -126,8 +126,10 @@ def modes(
     train: Drivetrain | Model, at: OperatingPoint = "static", *, count: int | None = None, t: float | None = None,
     parameters: Mapping[str, float | str] | None = None,
 ) -> Modes:  # fmt: skip
-    """The modes of a train about a point, contacts keeping their side (see gearblocks.analysis.linearization for `at`).
+    """The modes of a train about a point, contacts keeping their side.
 
+    at: "static" (the equilibrium with every excitation at its mean, contact side from the load), "static_at_start" (under
+    everything as it is at t), None (the start values), a dict of start values, an earlier run (its end), "rolling".
     count: only so many of the lowest beside the free rotations (default: all; 20 beyond 1000 states, where a sparse solver
     finds them). What depends on absolute angles, such as a stiffness driven by the angle, stays at its present angle.
     """

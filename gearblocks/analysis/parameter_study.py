@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.analysis.designs import Design, cases, grid, with_numbers
+from gearblocks.analysis.designs import Design, cases, grid, paths_of, with_numbers
 from gearblocks.analysis.measuring import measure, measure_packed, packed
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.study_point import Interrupted, Measured, Task, points_in_si
 from gearblocks.analysis.study_progress import progress as shown_progress
 from gearblocks.analysis.study_result import Study, listed
 from gearblocks.analysis.study_store import StudyStore, needs_zarr
-from gearblocks.analysis.study_task import Settings, identity, names_of, number_given, task_of
+from gearblocks.analysis.study_task import Settings, check_varies, identity, names_of, number_given, task_of
 from gearblocks.analysis.workers import as_done, executor_of
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only, warn
@@ -70,7 +70,8 @@ def sweep(
     progress: called with the points done and their number; without it a terminal shows points per second and time left,
     a notebook or a log a line.
 
-    A point whose run fails is NaN and stands in `failures`. Ctrl-C answers what is done; `complete` is then False. Raises
+    A point whose run fails is NaN and stands in `failures`, and so is one where a function of yours raises, unless it does so
+    at the first point and at the last. Ctrl-C answers what is done; `complete` is then False. Raises
     ParameterError and UnknownNameError for bad arguments before anything is run, StorageError for a store of another study.
     """
     settings = Settings(
@@ -115,7 +116,12 @@ def _studied(
         needs_zarr(store)
     fields = train.field_paths() if isinstance(train, Drivetrain) else frozenset[str]()
     model = cache(lambda: build(train))  # built once, after a design that needs none of it has been looked at
-    design = make(with_numbers(given, lambda path, x: number_given(model(), path, x, settings.initial, fields)))
+    try:
+        design = make(with_numbers(given, lambda path, x: number_given(model(), path, x, settings.initial, fields)))
+    except ParameterError:
+        for path in paths_of(given) & fields:  # rows of what is structural need be none of numbers
+            check_varies(model(), path, settings.initial, fields)
+        raise
     task, name_units = task_of(model(), design, quantity, settings, fields)
     run = _Run(task, design, name_units)
     with executor_of(executor, threads) as (pool, workers):
@@ -141,10 +147,17 @@ class _Run:
 
     def chunk_size(self, workers: int, *, keep: bool = False) -> int:
         """Points that take about half a second, by a trial of the first one, which is kept where chunks may begin behind it;
-        no fewer chunks than four for each worker. An exception of a function of the user's at the first point is raised."""
+        no fewer chunks than four for each worker. Raises ParameterError where a function of the user's has no value there,
+        and none at the last point."""
         trial = measure(self.task, self.points[:1])
-        if trial.cause is not None:
-            raise trial.cause
+        if trial.cause is not None and (
+            len(self.points) == 1 or measure(self.task, self.points[-1:]).cause is not None
+        ):
+            both = "at the first point and at the last one" if len(self.points) > 1 else "at the only point"
+            raise ParameterError(
+                f"quantity = {trial.messages[0]}: it fails {both}; mend the function, or let it answer float('nan') where a "
+                "run has no such value"
+            ) from trial.cause
         if keep:
             self._take(slice(0, 1), trial)
         share = -(-len(self.points) // (4 * workers))

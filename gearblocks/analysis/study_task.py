@@ -22,11 +22,11 @@ from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
 from gearblocks.language.starts import is_rolling, values_of
-from gearblocks.language.units import number_in_si, parse_unit
 from gearblocks.simulation.arguments import (
     begin_of,
     check_jacobian,
     checked,
+    in_given_unit,
     is_static,
     method_options,
     parameter_vector,
@@ -185,11 +185,15 @@ def _axis(model: Model, path: str, initial: Any, fields: Set[str]) -> Axis:
     return Axis(info.path, info.unit, "parameter", i, info.given_in)
 
 
+def check_varies(model: Model, path: str, initial: Any, fields: Set[str]) -> None:
+    """ParameterError for a path that no study can vary: what is structural."""
+    _axis(model, path, initial, fields)
+
+
 def number_given(model: Model, path: str, value: Any, initial: Any, fields: Set[str]) -> float:
     """A value that brings its unit, in the unit in which bare numbers of its path are given."""
     axis = _axis(model, path, initial, fields)
-    number = number_in_si(path, value, axis.unit)
-    return parse_unit(axis.given_in).of_si(number) if axis.given_in else number
+    return in_given_unit(path, value, axis.unit, axis.given_in)
 
 
 def _structural(path: str) -> ParameterError:

@@ -107,7 +107,14 @@ class Profile(Effect):
         if not isinstance(self.table, Table):
             yield f"table = {self.table!r:.80} must be a gb.Table over one cycle"
         elif not self.table.periodic or self.table.x[0] != 0 or self.table.x[-1] != 1:
-            yield "the table must be periodic=True with x from 0 to 1 (cycles)"
+            begin, end = (float(self.table.x[i]) for i in (0, -1))
+            from_zero = "x" if begin == 0 else f"(x - {begin:g})"
+            way = (
+                f": write {from_zero} / {end - begin:.10g} for its x = {begin:g} .. {end:g}"
+                if (begin, end) != (0, 1)
+                else ""
+            )
+            yield f"the table must be periodic=True with x from 0 to 1 (cycles){way}"
         elif self.table.kind == "step" and self.driven_by == "angle":
             yield "a step table jumps, so it has no potential over the angle; give driven_by a frequency in rad/s"
 

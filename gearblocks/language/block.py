@@ -8,6 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from fractions import Fraction
 from functools import cache
 from types import CodeType, FunctionType, MappingProxyType
 from typing import Any, ClassVar, dataclass_transform
@@ -81,6 +82,8 @@ class Declared(metaclass=Documented):
                     value = _plain(values[name], spec.many)
                     if spec.part and isinstance(value, str) and not is_quantity(value):
                         value = Expr("sense", f"{value}.{spec.part}")
+                    if spec.role == "exact":
+                        value = _exact(value)
                     if type(value) not in _BARE and (spec.role in ("param", "signal") or spec.unit != "1"):
                         value = _in_si(value, spec)
                     store[name] = value if spec.convert is None else spec.convert(value)
@@ -129,6 +132,19 @@ def _in_si(value: Any, spec: Field) -> Any:
     if not has_unit(value) or (isinstance(value, str) and not is_quantity(value)):
         return value
     return given(value, spec.unit, "rad" if spec.of_deflection else unit_along(spec.unit, True))
+
+
+def _exact(value: Any) -> Any:
+    """A ratio or tooth count that is written as text, as the number that it is: "3.5", "41/23", "23"; any other as it is."""
+    if isinstance(value, tuple):
+        return tuple(map(_exact, value))
+    try:
+        number = Fraction(value) if isinstance(value, str) else None
+    except (ValueError, ZeroDivisionError):
+        number = None
+    if number is None:
+        return value
+    return number.numerator if number.denominator == 1 else number if "/" in value else float(value)
 
 
 _CALLED_STARTS = {"phi0": ANGLE, "s0": ANGLE, "w0": SPEED, "v0": SPEED}

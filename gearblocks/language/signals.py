@@ -178,7 +178,18 @@ def _row(name: str, values: Any) -> NDArray[np.float64]:
             raise TypeError
         return np.array(values, dtype=float)
     except (TypeError, ValueError, GearblocksError):
-        raise ParameterError(f"Table: {name} = {values!r:.80} must be a row of numbers") from None
+        raise ParameterError(f"Table: {name} = {values!r:.80} must be a row of numbers{points_in_si(values)}") from None
+
+
+def points_in_si(values: Any) -> str:
+    """The way out where points of a table are given as texts: which of two units belongs to them, their table does not know."""
+    texts = isinstance(values, str) or np.asarray(values, dtype=object).ravel().tolist()
+    if not any(isinstance(x, str) for x in (texts if isinstance(texts, list) else [values])):
+        return ""
+    return (
+        ", not of texts: points are in SI and radians (those of an Input in its unit): convert them before, as gb.rpm(x), "
+        "np.deg2rad(x) and 1e-6 * y do"
+    )
 
 
 def check_increasing(name: str, values: NDArray[np.float64]) -> None:

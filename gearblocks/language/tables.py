@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError
 from gearblocks.language.expression import Expr, as_expr
-from gearblocks.language.signals import Table
+from gearblocks.language.signals import Table, check_increasing, points_in_si
 
 Grid = NDArray[np.float64]
 
@@ -43,10 +43,13 @@ class Table2:
             )
         for name, values in (("x", x), ("y", y), ("z", z)):
             if not np.isfinite(values).all():
-                raise ParameterError(f"Table2: {name} must be finite numbers")
+                where = tuple(int(i) for i in np.argwhere(~np.isfinite(values))[0])
+                at = "".join(f"[{i}]" for i in where)
+                raise ParameterError(
+                    f"Table2: {name}{at} = {values[where]} must be a finite number; drop its row or column, or repair it"
+                )
         for name, values in (("x", x), ("y", y)):
-            if not (np.diff(values) > 0).all():
-                raise ParameterError(f"Table2: {name} must increase; sort the points and drop repeated ones")
+            check_increasing(f"Table2: {name}", values)
         if self.kind not in ("linear", "cubic"):
             raise ParameterError(f"Table2: kind = {self.kind!r} must be 'linear' or 'cubic'")
         for name, array in (("x", x), ("y", y), ("z", z)):
@@ -92,4 +95,4 @@ def _numbers(name: str, values: Any) -> Grid:
             raise TypeError
         return np.array(values, dtype=float)
     except (TypeError, ValueError):
-        raise ParameterError(f"Table2: {name} = {values!r:.80} must be rows of numbers") from None
+        raise ParameterError(f"Table2: {name} = {values!r:.80} must be rows of numbers{points_in_si(values)}") from None

@@ -299,6 +299,13 @@ def has_unit(value: Any) -> bool:
     return isinstance(value, str) or (hasattr(value, "magnitude") and hasattr(value, "to_base_units"))
 
 
+def unit_written(value: Any) -> str | None:
+    """The unit that a value brings, as it is written; None where it is a bare number."""
+    if not has_unit(value):
+        return None
+    return number_and_unit(value)[1] or "1" if isinstance(value, str) else _text(value.units)
+
+
 def is_quantity(text: str) -> bool:
     """Whether a text is a number and something behind it, which may be its unit."""
     return all(number_and_unit(text))

@@ -23,7 +23,7 @@ from gearblocks.language.signals import Table
 from gearblocks.model.build import check_user_blocks
 from gearblocks.model.open_starts import open_starts
 from gearblocks.model.single_springs import inertias, is_stiffness, mobility, stiffnesses
-from gearblocks.train.graph import Train, Tree, flatten
+from gearblocks.train.graph import Train, Tree, blocks_of, flatten
 from gearblocks.train.plausibility import unusual
 from gearblocks.train.summary import field_texts
 
@@ -33,7 +33,7 @@ HIGHEST = 1e6
 
 def implausible(tree: Tree) -> Iterator[str]:
     """Each thing as one sentence, with what it may have been meant to be."""
-    blocks = list(_blocks(tree, ""))
+    blocks = list(blocks_of(tree))
     for path, block in blocks:
         yield from unusual(path, block)
         yield from _negative(path, block)
@@ -52,22 +52,13 @@ def described(tree: Tree, effects: int) -> str:
     slides = {c.path: c.slides for c in (flatten(tree, complete=False).components if tree.parts else ())}
     rows = [
         (path, type(block).__name__, ", ".join(field_texts(block, slides.get(path, False))))
-        for path, block in _blocks(tree, "")
+        for path, block in blocks_of(tree)
     ]
     widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
     head = f"{tree.name}: {len(rows)} blocks, {effects} effects"
     doubts = [f"is it meant? {words}" for words in implausible(tree)]
     doubts += open_starts(tree)
     return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows), *doubts])
-
-
-def _blocks(tree: Tree, prefix: str) -> Iterator[tuple[str, Block]]:
-    """Path and block of every part, composites whole."""
-    for name, part in tree.parts:
-        if isinstance(part, Tree):
-            yield from _blocks(part, f"{prefix}{name}.")
-        else:
-            yield prefix + name, part
 
 
 # -- stiffness below zero ---------------------------------------------------------------------------------------------

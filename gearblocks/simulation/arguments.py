@@ -26,6 +26,8 @@ from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
+from gearblocks.train.graph import blocks_of
+from gearblocks.train.values import field_paths
 
 Start: TypeAlias = "Mapping[str, float | str] | Trajectory | Rolling | str | None"
 """What `initial` takes."""
@@ -171,9 +173,23 @@ def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
         return names[ends[0]]
     if ends:
         raise UnknownNameError(f"{what} '{wanted}' is not unique: it could be {', '.join(sorted(ends))}")
-    listed = ", ".join([*names][:12]) + ", ..." * (len(names) > 12)
-    there = f"there are {listed}" if listed else f"the train has no {what}"
+    there = f"there are {listed([*names])}" if names else f"the train has no {what}"
     raise UnknownNameError(f"there is no {what} '{wanted}'; {there}{did_you_mean(wanted, names)}")
+
+
+def listed(names: Sequence[str]) -> str:
+    """The first of some names."""
+    return ", ".join(names[:12]) + ", ..." * (len(names) > 12)
+
+
+def check_start(name: str, start: Any) -> None:
+    """ParameterError where an argument of this name does not say how a train stands."""
+    if start is None or isinstance(start, (Mapping, Trajectory)) or is_static(start) or is_rolling(start):
+        return
+    raise ParameterError(
+        f"{name} = {start!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static', "
+        f"'static_at_start', 'rolling' or gb.rolling(...){did_you_mean(start, (*STATIC, ROLLING))}"
+    )
 
 
 def parameter_vector(
@@ -197,7 +213,7 @@ def parameter_vector(
                     result[names[path]] = value
     given: list[int] = []
     for path, value in by_name("parameters", changed).items():
-        i = resolve(path, names, "parameter")
+        i = _number_of_parameter(model, path)
         info = program.parameters[i]
         if info.path in structural:
             raise ParameterError(
@@ -208,15 +224,27 @@ def parameter_vector(
         given.append(i)
     if any(program.parameters[i].path in model.start_parameters for i in given):
         result = with_followed(model, result, given)
-    if isinstance(initial, Mapping):
-        if initial:
-            _initial(model, result, initial)
-    elif not (initial is None or isinstance(initial, Trajectory) or is_static(initial) or is_rolling(initial)):
-        raise ParameterError(
-            f"initial = {initial!r:.80} must be start values such as {{'motor.w': 100.0}}, an earlier run, 'static', "
-            f"'static_at_start', 'rolling' or gb.rolling(...){did_you_mean(initial, (*STATIC, ROLLING))}"
-        )
+    check_start("initial", initial)
+    if isinstance(initial, Mapping) and initial:
+        _initial(model, result, initial)
     return result
+
+
+def _number_of_parameter(model: Model, path: str) -> int:
+    """The number of a parameter. Raises UnknownNameError, and ParameterError for a value that is structural."""
+    try:
+        return resolve(path, model.program.parameter_numbers, "parameter")
+    except UnknownNameError:
+        fields = (
+            ()
+            if model.tree is None
+            else (f"{p}.{field}" for p, block in blocks_of(model.tree) for field in field_paths(block))
+        )
+        if own := [full for full in fields if isinstance(path, str) and (full == path or full.endswith(f".{path}"))]:
+            raise ParameterError(
+                f"'{own[0]}' is structural, no parameter of a run: make a new train with rig.set({{'{own[0]}': ...}})"
+            ) from None
+        raise
 
 
 def with_followed(model: Model, vector: Array, given: Collection[int]) -> Array:
@@ -232,6 +260,12 @@ def number_of(name: str, value: Any, info: ParameterInfo | InputInfo) -> Any:
     if has_unit(value):
         return number_in_si(name, value, info.unit)
     return parse_unit(info.given_in).in_si(finite_number(name, value)) if info.given_in else value
+
+
+def in_given_unit(name: str, value: Any, unit: str, given_in: str) -> float:
+    """A value that brings its unit, in the one in which bare numbers of it are given ("": that of SI)."""
+    number = number_in_si(name, value, unit)
+    return parse_unit(given_in).of_si(number) if given_in else number
 
 
 def is_static(initial: Any) -> bool:

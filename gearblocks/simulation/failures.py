@@ -5,9 +5,16 @@ Knows nothing of trajectories.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from gearblocks.codegen.program import Program
+from gearblocks.model.explaining import mode_of_element
+from gearblocks.solver.binding import Simulation
+from gearblocks.solver.fast_modes import fast_modes
+from gearblocks.solver.point import Point
 from gearblocks.solver.structures import Array, Code
 
 
@@ -34,6 +41,31 @@ def reason(program: Program, code: Code, report: Any, parameters: Array) -> tupl
     return component_of(program, code, report.index), cause, remedy
 
 
+def too_long(
+    sim: Simulation, program: Program, step: float, pieces: Sequence[Array], known: tuple[str, str, str]
+) -> tuple[str, str, str]:
+    """The reason for a fixed step that is too long, with the step, and the element of the fastest mode on the way."""
+    name, cause, remedy = known
+    cause = cause.replace("the fixed step", f"the fixed step = {step:g} s", 1)
+    rows, fastest = np.concatenate(pieces), None
+    for row in rows[np.unique(np.linspace(0, len(rows) - 1, _LOOKS).astype(int))]:
+        y, modes = row[1 : 1 + program.n_total], row[1 + program.n_total :][: len(program.switches)]
+        try:
+            found = [mode for mode in fast_modes(Point(sim, program, float(row[0]), y, modes)) if mode.shares]
+        except (RuntimeError, ArithmeticError, ValueError):
+            continue
+        for mode in found[:1]:
+            if fastest is None or mode.rate > fastest.rate:
+                fastest = mode_of_element(program, mode)
+    if fastest is None:
+        return name, cause, remedy
+    return (
+        fastest.element,
+        f"{cause} (its fastest mode {fastest.pace})",
+        f"{remedy}; about {1 / fastest.rate:.1g} s would do",
+    )
+
+
 def component_of(program: Program, code: Code, index: int) -> str:
     """The component or input that a code's index means."""
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
@@ -49,6 +81,9 @@ def component_of(program: Program, code: Code, index: int) -> str:
         return program.parameters[index - program.n].path
     return ""
 
+
+_LOOKS = 16
+"""Rows of a run at which its fastest mode is looked for: teeth are in contact at some."""
 
 _CROWD = 1000
 """Flips in the report of a switch without progress: more are events that follow on each other too closely (gb_run.c)."""

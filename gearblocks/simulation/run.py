@@ -36,7 +36,7 @@ from gearblocks.simulation.element_balance import Rerun, element_imbalances
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import events_of
 from gearblocks.simulation.explaining import explained
-from gearblocks.simulation.failures import component_of, reason
+from gearblocks.simulation.failures import component_of, reason, too_long
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import run_again
 from gearblocks.simulation.progress import Progress
@@ -337,6 +337,8 @@ class _Run:
         """The error of a return code, with the name of the thing and the way out."""
         report, program = self.sim.report, self.model.program
         t, (name, cause, remedy) = report.t, reason(program, code, report, self.sim.parameters)
+        if code == Code.ERR_UNSTABLE and run is not None:
+            name, cause, remedy = too_long(self.sim, program, run.meta["step"], self.rows, (name, cause, remedy))
         if self.size > memory_limit(self.samples is not None):
             t = float(self.sim.counters.t)
             counts = Counter(np.concatenate(self.events)["index"].tolist()) if self.events else Counter()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.errors import GearblocksError, ParameterError, UnknownNameError, did_you_mean
+from gearblocks.errors import GearblocksError, ParameterError, UnknownNameError, did_you_mean, missing_attribute
 from gearblocks.language.units import check_unit
 from gearblocks.model.listing import matches
 from gearblocks.pages import small_table
@@ -174,6 +174,11 @@ class Trajectory:
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            raise missing_attribute("Trajectory", name, outputs=() if name.startswith("_") else self._columns)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)

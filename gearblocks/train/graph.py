@@ -5,6 +5,7 @@ Frozen; found without sympy. Knows nothing of laws: whether a node moves by itse
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -42,6 +43,15 @@ class Tree:
 
     def __repr__(self) -> str:
         return f"<Tree of '{self.name}': {len(self.parts)} parts, {len(self.links)} links>"
+
+
+def blocks_of(tree: Tree, prefix: str = "") -> Iterator[tuple[str, Block]]:
+    """Path and block of every part, composites whole."""
+    for name, part in tree.parts:
+        if isinstance(part, Tree):
+            yield from blocks_of(part, f"{prefix}{name}.")
+        else:
+            yield prefix + name, part
 
 
 @dataclass(frozen=True, slots=True)

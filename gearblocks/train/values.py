@@ -58,9 +58,9 @@ def value_problems(path: str, block: Block) -> Iterator[str]:
     yield from found
     if not found:
         yield from (f"{kind}: {p}" for p in block.problems())
-        for part in block.__dict__.values():
+        for name, part in block.__dict__.items():
             if isinstance(part, Declared):
-                yield from (f"{kind}: {p}" for p in part.problems())
+                yield from (f"{kind}: {p if p.startswith(name) else f'{name}: {p}'}" for p in part.problems())
 
 
 def _temperature_problems(block: Block) -> Iterator[str]:

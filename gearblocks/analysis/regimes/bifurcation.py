@@ -16,10 +16,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from gearblocks.analysis.dynamic_quantities import period
-from gearblocks.analysis.parameter_study import sweep
+from gearblocks.analysis.parameter_study import Row, sweep
 from gearblocks.analysis.quantities import points as section_points
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.regimes.carried import DIRECTIONS, Motion, carried, output_of, rising
@@ -104,7 +104,7 @@ class Bifurcation:
 
 @by_name_only
 def bifurcation(
-    train: Drivetrain | Model, parameter: str, values: ArrayLike, *, section: Section, of: str | None = None,
+    train: Drivetrain | Model, parameter: str, values: Row, *, section: Section, of: str | None = None,
     transient: int = 300, keep: int = 100, labels: str = "quick", longest: int = LONGEST, rtol: float = 1e-8,
     carry: bool = True, executor: Any = None, threads: int | None = None, store: str | os.PathLike[str] | None = None,
     parameters: Mapping[str, float | str] | None = None, initial: Any = None,
@@ -114,12 +114,12 @@ def bifurcation(
     on `threads` (default: every core) or an executor; with carry=False each from the start: as a study of `gb.sweep`, with
     its executor, threads and store, and quick labels.
 
-    values: of the parameter, in SI units; of: an output (default: the first deflection or twist); transient, keep: periods
-    before the points, and points, of each value; labels: "quick" or "full"; longest, rtol, parameters and initial: as of
-    `classify`; progress: called with how many runs are done, and of how many. Raises ParameterError, UnknownNameError.
+    values: of the parameter, in its unit as `sweep` takes them (of a Parameter in rpm: rpm), or texts with a unit; of: an
+    output (default: the first deflection or twist); transient, keep: periods before the points, and points, of each value;
+    labels: "quick" or "full"; longest, rtol, parameters and initial: as of `classify`; progress: called with how many runs are
+    done, and of how many. Raises ParameterError, UnknownNameError.
     """
     model = build(train)
-    asked = rising(values)
     _check(carry, labels, executor, threads, store)
     if labels not in LABELS:
         raise ParameterError(f"labels = {labels!r} must be 'quick' or 'full'")
@@ -132,6 +132,7 @@ def bifurcation(
         )
     names = model.program.parameter_numbers
     info = model.program.parameters[resolve(parameter, names, "parameter")]
+    asked = rising(values, info)
     output = output_of(model.program, of)
     if not carry:
         study = sweep(
@@ -152,7 +153,8 @@ def bifurcation(
     rows = [[found[i, j] for j in range(len(asked))] for i in range(2)]
     quantity = model.program.outputs[output]
     return Bifurcation(
-        info.path, info.unit, asked, quantity.name, quantity.unit, points, tuple(tuple(map(_said, row)) for row in rows),
+        info.path, info.given_in or info.unit, asked, quantity.name, quantity.unit, points,
+        tuple(tuple(map(_said, row)) for row in rows),
         tuple(tuple(one if isinstance(one, Regime) else None for one in row) for row in rows),
         {(DIRECTIONS[i], float(asked[j])): str(x) for (i, j), x in found.items() if isinstance(x, SimulationError)},
     )  # fmt: skip
@@ -231,8 +233,8 @@ def _of_study(study: Study, info: ParameterInfo, of: str, asked: Array) -> Bifur
         if words:
             messages["start", float(asked[j])] = words
     return Bifurcation(
-        info.path, info.unit, asked, of, study.name_units[0], points[None], (tuple(said),), ((None,) * len(asked),),
-        messages, ("start",),
+        info.path, info.given_in or info.unit, asked, of, study.name_units[0], points[None], (tuple(said),),
+        ((None,) * len(asked),), messages, ("start",),
     )  # fmt: skip
 
 

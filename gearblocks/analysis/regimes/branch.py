@@ -21,11 +21,12 @@ from gearblocks.analysis.regimes.orbit_equation import OrbitEquation, Solved
 from gearblocks.analysis.regimes.response import response
 from gearblocks.analysis.regimes.strobe import Change, Strobe, change_of, strobe
 from gearblocks.analysis.sections import Section
+from gearblocks.codegen.program import ParameterInfo
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.running import build
-from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.arguments import number_of, resolve
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -132,13 +133,14 @@ class OrbitBranch:
 
 @by_name_only
 def continue_orbit(
-    train: Drivetrain | Model, parameter: str, span: Sequence[float], *, section: Section, periods: int = 1,
+    train: Drivetrain | Model, parameter: str, span: Sequence[float | str], *, section: Section, periods: int = 1,
     start: Mark | PeriodicOrbit | None = None, of: str | None = None, transient: int = 300, step: float = 0.03,
     most: int = 1000, rtol: float = 1e-10, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
 ) -> OrbitBranch:  # fmt: skip
     """The branch of periodic orbits over a parameter, from the orbit at the begin of the span until the parameter leaves it.
 
-    span: begin and end of the parameter, in SI units; periods: of the section, that the orbit repeats after. It begins with the
+    span: begin and end of the parameter, in its unit as `sweep` takes values, or texts with a unit (the branch is in SI);
+    periods: of the section, that the orbit repeats after. It begins with the
     orbit near the motion after `transient` periods; with start= an orbit at the begin of the span, or with a mark of
     another branch (a doubling, a branch point), from which the branch that leaves there is followed. of: an output whose
     mean, rms and extremes are told along the branch (default: the first deflection or twist). step: the longest, where the
@@ -146,7 +148,6 @@ def continue_orbit(
     SimulationError where there is no orbit to begin with.
     """
     model = build(train)
-    begin, end = _span(span)
     if periods < 1 or transient < 0 or most < 2 or not 0 < finite_number("step", step) <= 1:
         raise ParameterError(
             f"periods = {periods} must be >= 1, transient = {transient} >= 0, most = {most} >= 2 and step = {step} in (0, 1]"
@@ -154,9 +155,10 @@ def continue_orbit(
     output = output_of(model.program, of)
     number = resolve(parameter, model.program.parameter_numbers, "parameter")
     info = model.program.parameters[number]
+    begin, end = _span(span, info)
 
-    def at(value: float) -> Strobe:
-        return strobe(model, section, {**(parameters or {}), info.path: value}, initial, rtol)
+    def at(value: float) -> Strobe:  # in SI, as derivatives by it are
+        return strobe(model, section, {**(parameters or {}), info.path: f"{value!r} {info.unit or '1'}"}, initial, rtol)
 
     def change(seen: Strobe, unit: float) -> Change:
         return change_of(seen, section, number, unit)
@@ -186,13 +188,13 @@ def continue_orbit(
     )  # fmt: skip
 
 
-def _span(span: Sequence[float]) -> tuple[float, float]:
+def _span(span: Sequence[float | str], info: ParameterInfo) -> tuple[float, float]:
+    """Begin and end in SI."""
     try:
-        begin, end = (finite_number("span", x) for x in span)
+        low, high = span
     except (TypeError, ValueError):
-        raise ParameterError(
-            f"span = {span!r:.80} must be two numbers, begin and end of the parameter in SI units"
-        ) from None
+        raise ParameterError(f"span = {span!r:.80} must be two numbers, begin and end of '{info.path}'") from None
+    begin, end = (finite_number("span", number_of("span", x, info)) for x in (low, high))
     if begin == end:
         raise ParameterError(f"span = {span!r:.80} must be two different numbers")
     return begin, end

@@ -9,14 +9,16 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from gearblocks.analysis.designs import with_numbers
 from gearblocks.analysis.regimes.strobe import Strobe
 from gearblocks.analysis.sections import RELATIVE
-from gearblocks.codegen.program import Program
+from gearblocks.codegen.program import ParameterInfo, Program
 from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.language.units import has_unit
 from gearblocks.model.listing import matches
-from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.arguments import in_given_unit, resolve
 
 Array = NDArray[np.float64]
 
@@ -62,12 +64,19 @@ def carried(at: Callable[[float], Strobe], values: Array, initial: Any, periods:
                 yield Motion(direction, j, seen, np.empty((0, seen.n)), error)
 
 
-def rising(values: ArrayLike) -> Array:
-    """Values of a parameter that increase. Raises ParameterError."""
+def rising(values: Any, info: ParameterInfo) -> Array:
+    """Values of a parameter that increase, in the unit in which bare numbers of it are given; texts bring their own.
+    Raises ParameterError."""
+    if has_unit(values):
+        values = [values]
+    cells = with_numbers({info.path: values}, lambda path, x: in_given_unit(path, x, info.unit, info.given_in))[
+        info.path
+    ]
     try:
-        asked = np.atleast_1d(np.asarray(values, dtype=np.float64))
+        asked = np.atleast_1d(np.asarray(cells, dtype=np.float64))
     except (TypeError, ValueError):
-        raise ParameterError(f"values = {values!r:.80} must be numbers, in SI units") from None
+        unit = info.given_in or info.unit
+        raise ParameterError(f"values = {values!r:.80} must be numbers in {unit}, or texts with their unit") from None
     if asked.ndim != 1 or not len(asked) or not np.isfinite(asked).all() or (np.diff(asked) <= 0).any():
         raise ParameterError(f"values = {values!r:.80} must be finite and increase")
     return asked

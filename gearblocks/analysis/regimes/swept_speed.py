@@ -13,8 +13,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from gearblocks.analysis.parameter_study import Row
 from gearblocks.analysis.regimes.carried import DIRECTIONS, Jump, carried, output_of, rising
 from gearblocks.analysis.regimes.response import NONE, Response, response
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
@@ -91,23 +92,25 @@ class SpeedSweep:
 
 @by_name_only
 def speed_sweep(
-    train: Drivetrain | Model, parameter: str, values: ArrayLike, *, of: str | None = None, section: Section | None = None,
+    train: Drivetrain | Model, parameter: str, values: Row, *, of: str | None = None, section: Section | None = None,
     transient: int = 200, keep: int = 40, samples: int | None = None, jump: float = 0.05, within: float = 1e-3,
     rtol: float = 1e-8, parameters: Mapping[str, float | str] | None = None, initial: Any = None,
     progress: Callable[[int, int], Any] | None = None,
 ) -> SpeedSweep:  # fmt: skip
     """Mean, root mean square and peak-to-peak of an output over a speed, up and then down, the state carried over all the way.
 
-    values: of the parameter, rising, in SI units; of: an output, such as the deflection of a mesh (default: the first
+    values: of the parameter, rising, in its unit as `sweep` takes them (of a Parameter in rpm: rpm), or texts with a unit;
+    of: an output, such as the deflection of a mesh (default: the first
     deflection or twist); section: default once per period of the parameter. At each value `transient` periods pass, and `keep`
     are looked at: the motion itself, or so many `samples` in each period. jump: the least change of the peak-to-peak, as
     a share of the largest one, that is looked at for a jump; within: of the value, how far brackets are closed. rtol,
     parameters and initial: as for `simulate`. Raises ParameterError, UnknownNameError.
     """
     model = build(train)
-    asked, output = rising(values), output_of(model.program, of)
+    output = output_of(model.program, of)
     _check(transient, keep, samples, jump, within)
     info = model.program.parameters[resolve(parameter, model.program.parameter_numbers, "parameter")]
+    asked = rising(values, info)
     where = stroboscopic(info.path) if section is None else section
 
     def at(value: float) -> Strobe:
@@ -133,8 +136,8 @@ def speed_sweep(
     quantity = model.program.outputs[output]
     names = tuple(q.name for q in model.program.states)
     return SpeedSweep(
-        info.path, info.unit, asked, quantity.name, quantity.unit, found[..., 0], found[..., 1], found[..., 2], found[..., 3],
-        misses, names, states, jumps, messages,
+        info.path, info.given_in or info.unit, asked, quantity.name, quantity.unit, found[..., 0], found[..., 1], found[..., 2],
+        found[..., 3], misses, names, states, jumps, messages,
     )  # fmt: skip
 
 

@@ -193,15 +193,20 @@ def test_an_input_function_that_raises_is_a_failure_with_its_words(clutch_model:
     )
 
 
-def test_a_function_that_raises_at_the_first_point_is_a_slip_and_at_others_a_failure(clutch_model: gb.Model) -> None:
+def test_a_function_that_raises_at_both_ends_is_a_slip_and_elsewhere_a_failure(clutch_model: gb.Model) -> None:
     def wrong(run: gb.Trajectory) -> float:
         return 1.0 / (run.meta["parameters"]["shaft.k"] - 200.0)
 
-    with pytest.raises(ZeroDivisionError):
-        gb.sweep(clutch_model, {"shaft.k": [200.0, 210.0]}, quantity=wrong, t_end=0.01)
-    made = gb.sweep(clutch_model, {"shaft.k": [210.0, 200.0]}, quantity=wrong, t_end=0.01)
-    assert made["wrong"][0] == 0.1 and np.isnan(made["wrong"][1])
-    assert made.failures[0].message == "wrong: ZeroDivisionError: float division by zero"
+    for values in ([200.0], [200.0, 200.0], [200.0, 210.0, 200.0]):
+        with pytest.raises(
+            gb.ParameterError, match=r"quantity = wrong: ZeroDivisionError.*mend the function, or .*nan"
+        ) as told:
+            gb.sweep(clutch_model, {"shaft.k": values}, quantity=wrong, t_end=0.01)
+        assert isinstance(told.value.__cause__, ZeroDivisionError)
+    for values, failed in (([210.0, 200.0], 1), ([200.0, 210.0], 0)):
+        made = gb.sweep(clutch_model, {"shaft.k": values}, quantity=wrong, t_end=0.01)
+        assert made["wrong"][1 - failed] == 0.1 and np.isnan(made["wrong"][failed])
+        assert [x.message for x in made.failures] == ["wrong: ZeroDivisionError: float division by zero"]
 
 
 def test_energy_that_does_not_balance_is_told() -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import pytest
 
 import gearblocks as gb
@@ -109,3 +112,19 @@ def test_values_are_not_set_through_a_handle() -> None:
         del rig["disc"].J
     assert (rig["mesh"].k, rig["disc"].J, rig["stage.body"].J) == (1e8, 0.1, 1.0)
     assert rig.set({"body.J": 3})["stage.body"].J == 3
+
+
+def test_a_train_and_a_run_say_where_what_they_have_not_is() -> None:
+    rig = _rig()
+    assert not hasattr(rig, "mash") and getattr(rig, "mash", 3) == 3
+    assert copy.copy(rig).name == rig.name and not hasattr(rig, "__array__")
+    for name, words in (("simulate", r"gb\.simulate\(rig"), ("mesh", r"rig\['mesh'\]"), ("w", r"rig\.outputs\(\)")):
+        with pytest.raises(UnknownAttributeError, match=rf"a Drivetrain has no attribute '{name}'; .*{words}"):
+            getattr(rig, name)
+    body = gb.Drivetrain("body")
+    body.add("disc", gb.Inertia(J=0.1, w0=1.0))
+    run = gb.simulate(body, t_end=0.1)
+    assert pickle.loads(pickle.dumps(run))["disc.w"][-1] == 1.0 and copy.deepcopy(run).t[-1] == 0.1
+    for name, words in (("w", r"run\['disc\.w'\]"), ("rmss", r"run\.names lists"), ("modes", r"gb\.modes\(run")):
+        with pytest.raises(UnknownAttributeError, match=rf"a Trajectory has no attribute '{name}'; .*{words}"):
+            getattr(run, name)
