@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -230,20 +231,22 @@ def parameter_vector(
     return result
 
 
+_STRUCTURAL = ("exact", "option", "effect")
+"""Roles of fields that are no parameters of a run."""
+
+
 def _number_of_parameter(model: Model, path: str) -> int:
     """The number of a parameter. Raises UnknownNameError, and ParameterError for a value that is structural."""
     try:
         return resolve(path, model.program.parameter_numbers, "parameter")
     except UnknownNameError:
-        fields = (
-            ()
-            if model.tree is None
-            else (f"{p}.{field}" for p, block in blocks_of(model.tree) for field in field_paths(block))
-        )
-        if own := [full for full in fields if isinstance(path, str) and (full == path or full.endswith(f".{path}"))]:
-            raise ParameterError(
-                f"'{own[0]}' is structural, no parameter of a run: make a new train with rig.set({{'{own[0]}': ...}})"
-            ) from None
+        for component, block in blocks_of(model.tree) if model.tree is not None else ():
+            for field in field_paths(block):
+                full, role = f"{component}.{field}", type(block).fields[re.split(r"[.\[]", field)[0]].role
+                if role in _STRUCTURAL and isinstance(path, str) and (full == path or full.endswith(f".{path}")):
+                    raise ParameterError(
+                        f"'{full}' is structural, no parameter of a run: make a new train with rig.set({{'{full}': ...}})"
+                    ) from None
         raise
 
 

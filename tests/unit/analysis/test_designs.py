@@ -46,7 +46,7 @@ def test_random_cases_lie_within_their_bounds_and_repeat_themselves() -> None:
         (designs.grid, {}, "at least one path"),
         (designs.grid, {"a": []}, "shape (0,)"),
         (designs.grid, {"a": 3.0}, "a row of numbers"),
-        (designs.grid, {"a": [1, float("nan")]}, "value number 1 is not finite"),
+        (designs.grid, {"a": [1, float("nan")]}, "value [1] = nan must be a finite number"),
         (designs.grid, {"a": ["x"]}, "must be a row of numbers"),
         (designs.grid, {3: [1.0]}, "must be text"),
         (designs.grid, [1, 2], "must be a dict"),
