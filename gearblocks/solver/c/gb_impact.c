@@ -105,17 +105,9 @@ static int takes_impulse(gb_sim *sim, int i, int endless, double *lo, double *hi
     return 1;
 }
 
-/* What an impact did to constraint i: its loss, states and event. */
-static void note_impact(gb_sim *sim, int i, double impulse, double before, double after) {
+/* What constraint i loses at once. */
+static void note_loss(gb_sim *sim, int i, double lost) {
     const gb_constraint *constraint = &sim->model->constraints[i];
-    const double lost = -0.5 * impulse * (before + after);
-    sim->constraints.impacts[i] += 1.0;
-    if (constraint->impulse >= 0) {
-        sim->y[constraint->impulse] = impulse;
-    }
-    if (constraint->impacts >= 0) {
-        sim->y[constraint->impacts] += 1.0;
-    }
     if (constraint->loss >= 0) {
         sim->y[constraint->loss] += lost;
         sim->head->ledger.turnover += fabs(lost);
@@ -123,6 +115,19 @@ static void note_impact(gb_sim *sim, int i, double impulse, double before, doubl
     if (constraint->heat > 0) {
         sim->y[constraint->heat - 1] += lost;
     }
+}
+
+/* What an impact did to constraint i: its loss, states and event. */
+static void note_impact(gb_sim *sim, int i, double impulse, double before, double after) {
+    const gb_constraint *constraint = &sim->model->constraints[i];
+    sim->constraints.impacts[i] += 1.0;
+    if (constraint->impulse >= 0) {
+        sim->y[constraint->impulse] = impulse;
+    }
+    if (constraint->impacts >= 0) {
+        sim->y[constraint->impacts] += 1.0;
+    }
+    note_loss(sim, i, -0.5 * impulse * (before + after));
     gb_log(sim, constraint->slip, 2, before, after);
 }
 
@@ -233,25 +238,59 @@ static int find_hit(gb_sim *sim, int round, int *left) {
     return hit;
 }
 
+/* The impulses of a round that is set up, into constraints.other; slips before it are in free_acceleration. */
+static int strike(gb_sim *sim) {
+    const size_t size = sizeof(double) * (size_t)sim->model->n_constraints;
+    sim->model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
+    if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim) != GB_DONE) {
+        return sim->head->report.code;
+    }
+    memcpy(sim->constraints.other, sim->constraints.force, size);
+    memcpy(sim->constraints.free_acceleration, sim->constraints.slip, size);
+    apply_impulses(sim, sim->constraints.other);
+    slips_after(sim);
+    return GB_DONE;
+}
+
+/* What an impact elsewhere opens for nothing stays closed: the bodies share their momentum, as they do in a flight that
+ * ends at once. No event. */
+static int close_what_opens_for_nothing(gb_sim *sim) {
+    double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi;
+    int any = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        sim->constraints.in[i] = takes_impulse(sim, i, 1, &lo[i], &hi[i], &b[i]);
+        if (gb_is_stop(sim, i) && sim->constraints.slip[i] > sim->constraints.slip_rounding[i] && gb_touches(sim, i) &&
+            gb_opens_for_nothing(sim, i)) {
+            sim->constraints.in[i] = any = 1;
+            lo[i] = -HUGE_VAL;
+            hi[i] = HUGE_VAL;
+            b[i] = sim->constraints.slip[i];
+        }
+    }
+    if (!any || strike(sim) != GB_DONE) {
+        return any ? sim->head->report.code : GB_DONE;
+    }
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const double mean = 0.5 * (sim->constraints.free_acceleration[i] + sim->constraints.slip[i]);
+        note_loss(sim, i, -sim->constraints.other[i] * mean);
+    }
+    return GB_DONE;
+}
+
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const size_t size = sizeof(double) * (size_t)model->n_constraints;
-    double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
-    int left = 0, hit = find_hit(sim, 0, &left);
+    const double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
+    int left = 0, any = 0, hit = find_hit(sim, 0, &left);
     for (int round = 0; hit >= 0; round++) {
         if (round == ROUNDS) {
             return gb_fail(sim, GB_ERR_CHATTER, model->constraints[hit].slip, sim->head->front.t1, 0.0);
         }
-        model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-        if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim) != GB_DONE) {
+        if (strike(sim) != GB_DONE) {
             return sim->head->report.code;
         }
-        memcpy(impulse, sim->constraints.force, size);
-        memcpy(before, sim->constraints.slip, size);
-        apply_impulses(sim, impulse);
-        slips_after(sim);
         note_round(sim, impulse, before);
         hit = find_hit(sim, round + 1, &left);
+        any = 1;
     }
-    return GB_DONE;
+    return any ? close_what_opens_for_nothing(sim) : GB_DONE;
 }

@@ -333,13 +333,16 @@ int gb_moves_by_rounding(const gb_sim *sim) {
 
 double gb_rounding_energy(gb_sim *sim) {
     const gb_model *model = sim->model;
-    if (!gb_moves_by_rounding(sim)) {
+    double energy[2] = {0.0, 0.0}; /* of speeds that are taken for rounding, and of the largest that there were */
+    if (gb_time_terms_at(sim, sim->head->front.t1) != GB_DONE) {
         return 0.0;
     }
     memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
-    for (int i = model->n - model->n_speeds; i < model->n; i++) {
-        sim->z2[i] = rounding_of_speed(sim, i);
+    for (int which = 0; which < 2; which++) {
+        for (int i = model->n - model->n_speeds; i < model->n; i++) {
+            sim->z2[i] = which == 0 ? rounding_of_speed(sim, i) : sim->control.largest[i];
+        }
+        energy[which] = energy_at(sim, sim->z2);
     }
-    const int told = gb_time_terms_at(sim, sim->head->front.t1) == GB_DONE;
-    return told ? gb_max(energy_at(sim, sim->z2) - energy_at(sim, sim->y), 0.0) : 0.0;
+    return energy[1] <= energy[0] ? gb_max(energy[0] - energy_at(sim, sim->y), 0.0) : 0.0;
 }

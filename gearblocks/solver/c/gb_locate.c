@@ -41,6 +41,22 @@ static int fades_unloaded(gb_sim *sim, int i, const double *time_terms) {
     return excess < noise && force < noise;
 }
 
+/* Event function i is the gap of a stop that has just opened, and it has moved by noise. A body that a stop has held
+ * leaves it with the third power of time once its force has passed zero, and what is left of its slip may be directed
+ * back: for a while rounding tells on which side of the stop it is. */
+static int opens_by_noise(gb_sim *sim, int i, const double *time_terms) {
+    int opens = 0;
+    for (int c = 0; c < sim->model->n_constraints; c++) {
+        opens |=
+            sim->model->constraints[c].slip == i && gb_is_stop(sim, c) && sim->events.armed[i] == sim->events.side[i];
+    }
+    if (!opens) {
+        return 0;
+    }
+    sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
+    return gb_is_noise(sim, i, sim->events.s[i] - sim->events.s0[i], time_terms, sim->z, sim->y0);
+}
+
 /* Switch i, located in this step, has not left its limit from the start to the end but for noise. Most are plainly off
  * it at one of both. */
 static int has_stayed(gb_sim *sim, int i) {
@@ -49,7 +65,8 @@ static int has_stayed(gb_sim *sim, int i) {
     const double limit = sim->events.side[i] < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     const double start = sim->events.s0[i] - limit;
     if (sim->events.role[i] == GB_CONSTRAINED) {
-        return is_no_force(sim, i, start, time_terms) || fades_unloaded(sim, i, time_terms);
+        return is_no_force(sim, i, start, time_terms) || fades_unloaded(sim, i, time_terms) ||
+               opens_by_noise(sim, i, time_terms);
     }
     if (gb_is_far(sim, start, sim->z, sim->y0)) {
         return 0;
