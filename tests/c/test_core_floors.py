@@ -66,6 +66,7 @@ ALONE = (
     "gb_double_double.h",
     "gb_delassus.h",
     "gb_inline.h",
+    "gb_gauss_jordan.h",
     "gb_lcp.h",
     "gb_loss.h",
     "gb_constraint_rows.h",

@@ -5,53 +5,16 @@
  * none (friction in proportion to a force); A with such columns may have no solution, or several. Associated: y is the
  * gradient of x'A x/2 + b'x, least within these bounds, so that y = 0 where any x within them has it. Method: block
  * principal pivoting with a least index rule as a way out of cycles (Judice and Pires 1994); for a singular A proximal
- * steps,  (A + e I) x+ + b - e x  in place of  A x + b  (Rockafellar 1976). And  A x = b  by Gauss-Jordan elimination
- * with row exchanges. A in either form of gb_delassus.h; of its unknowns those take part that are marked, the others
- * are 0. Knows nothing of slips, modes or time. */
+ * steps,  (A + e I) x+ + b - e x  in place of  A x + b  (Rockafellar 1976); where neither finds one, all sides. A in
+ * either form of gb_delassus.h; of its unknowns those take part that are marked, the others are 0. Knows nothing of
+ * slips, modes or time. */
 #ifndef GB_LCP_H
 #define GB_LCP_H
 
 #include "gb_delassus.h"
+#include "gb_gauss_jordan.h"
 
 #include <float.h>
-
-/* Solves A x = b for n unknowns with row exchanges; A (row length `stride`) and b are overwritten. 0: singular. */
-static inline int gb_gauss_jordan(int n, int stride, double *A, int n_right, double *b) {
-    for (int k = 0; k < n; k++) {
-        int best = k;
-        for (int i = k + 1; i < n; i++) {
-            best = fabs(A[i * stride + k]) > fabs(A[best * stride + k]) ? i : best;
-        }
-        if (!(fabs(A[best * stride + k]) > 0.0)) {
-            return 0;
-        }
-        for (int j = 0; j < n; j++) {
-            const double swap = A[k * stride + j];
-            A[k * stride + j] = A[best * stride + j];
-            A[best * stride + j] = swap;
-        }
-        for (int j = 0; j < n_right; j++) {
-            const double swap = b[k * n_right + j];
-            b[k * n_right + j] = b[best * n_right + j];
-            b[best * n_right + j] = swap;
-        }
-        for (int i = 0; i < n; i++) {
-            const double factor = i == k ? 0.0 : A[i * stride + k] / A[k * stride + k];
-            for (int j = k; j < n && factor != 0.0; j++) {
-                A[i * stride + j] -= factor * A[k * stride + j];
-            }
-            for (int j = 0; j < n_right && factor != 0.0; j++) {
-                b[i * n_right + j] -= factor * b[k * n_right + j];
-            }
-        }
-    }
-    for (int i = 0; i < n; i++) {
-        for (int j = 0; j < n_right; j++) {
-            b[i * n_right + j] /= A[i * stride + i];
-        }
-    }
-    return 1;
-}
 
 /* Bounds that grow with another unknown: lo[i] x_p is added to the lower one, hi[i] x_p to the upper one, p = on[i]
  * (-1: they do not). NULL: none does. associated: at such a bound y_i pushes x_p too, by the slope of it, and x_p may
@@ -219,6 +182,52 @@ static inline int gb_lcp_misplaced(const gb_lcp *lcp, double lift, const double 
     return bad;
 }
 
+/* The solution with the unknowns on these sides. */
+static inline void gb_lcp_place(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
+                                const int *side, double *x) {
+    const int n = lcp->A.n;
+    for (int i = 0; i < n; i++) {
+        x[i] = !lcp->in[i] || side[i] == 0 ? 0.0 : side[i] < 0 ? lo[i] : hi[i];
+    }
+    for (int i = 0; i < n && lcp->coupled; i++) {
+        const int with = lcp->in[i] && side[i] && lcp->coupled->on[i] >= 0 && side[lcp->coupled->on[i]];
+        x[i] += with ? gb_lcp_shift(lcp->coupled, i, side[i], x) : 0.0;
+    }
+    gb_lcp_inside(lcp, lift, b, side, x);
+}
+
+/* Sides by the digits of a number; 0: there are not so many. */
+static inline int gb_lcp_sides(const gb_lcp *lcp, const double *lo, const double *hi, int number, int *side) {
+    for (int i = 0; i < lcp->A.n; i++) {
+        if (lcp->in[i] && (lo[i] > -HUGE_VAL || hi[i] < HUGE_VAL)) {
+            side[i] = number % 3 == 2 ? 1 : -(number % 3);
+            number /= 3;
+        }
+    }
+    return number == 0;
+}
+
+/* All sides, one after the other: a matrix with friction in proportion to a force may have a negative minor, where what
+ * lies beyond a bound has to go to the other one, which pivoting never tries. 0: none fits. */
+enum { GB_LCP_MOST = 729 };
+static inline int gb_lcp_try_all(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
+                                 double *x) {
+    const int n = lcp->A.n;
+    int side[n + 1], want[n + 1], last = -1;
+    memset(side, 0, sizeof side);
+    for (int number = 0; number < GB_LCP_MOST && gb_lcp_sides(lcp, lo, hi, number, side); number++) {
+        double sum = 0.0;
+        gb_lcp_place(lcp, lift, b, lo, hi, side, x);
+        for (int i = 0; i < n; i++) {
+            sum += x[i];
+        }
+        if (fabs(sum) < HUGE_VAL && gb_lcp_misplaced(lcp, lift, b, lo, hi, x, side, want, &last) == 0) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* Block principal pivoting for A + lift I. All that are misplaced change at once, after ten rounds without fewer of
  * them the last one alone (a least index rule, counted from behind). 0: not found. */
 static inline int gb_lcp_pivoting(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
@@ -228,14 +237,7 @@ static inline int gb_lcp_pivoting(const gb_lcp *lcp, double lift, const double *
     memset(side, 0, sizeof side);
     for (int round = 0; round < 60 + 20 * n; round++) {
         int last = -1;
-        for (int i = 0; i < n; i++) {
-            x[i] = !lcp->in[i] || side[i] == 0 ? 0.0 : side[i] < 0 ? lo[i] : hi[i];
-        }
-        for (int i = 0; i < n && lcp->coupled; i++) {
-            const int with = lcp->in[i] && side[i] && lcp->coupled->on[i] >= 0 && side[lcp->coupled->on[i]];
-            x[i] += with ? gb_lcp_shift(lcp->coupled, i, side[i], x) : 0.0;
-        }
-        gb_lcp_inside(lcp, lift, b, side, x);
+        gb_lcp_place(lcp, lift, b, lo, hi, side, x);
         const int bad = gb_lcp_misplaced(lcp, lift, b, lo, hi, x, side, want, &last);
         if (bad == 0) {
             return 1;
@@ -304,6 +306,9 @@ static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double 
         }
         const int found =
             graded ? gb_lcp_correct(lcp, lift, b, lo, hi, x) : gb_lcp_pivoting(lcp, lift, right, lo, hi, x);
+        if (found == 0) {
+            return gb_lcp_try_all(lcp, 1e-9 * most, b, lo, hi, x);
+        }
         if (found != 1) {
             return found;
         }
