@@ -93,7 +93,7 @@ def test_a_map_survives_its_file(tmp_path: Path) -> None:
         (([1.0], U, [[1, 2, 3]]), "must be rows of n and m >= 2"),
         ((W[::-1], U, Z), "x must increase"),
         ((W, [0, 0, 1], Z), "y must increase"),
-        ((W, U, np.where(Z == 4.0, NAN, Z)), "z must be finite"),
+        ((W, U, np.where(Z == 4.0, NAN, Z)), r"z\[3\]\[1\] = nan must be a finite number"),
         (([0, 1, 2, NAN], U, Z), "x must be finite"),
         (("abcd", U, Z), "x = 'abcd' must be rows of numbers"),
         ((W, U, [[1, 2], [3]]), "z = .* must be rows of numbers"),

@@ -19,6 +19,11 @@ def _mesh(**changes: Any) -> gb.GearMesh:
     return gb.GearMesh(**fields)
 
 
+def _added(block: gb.Block) -> Any:
+    """Text is read when a block comes into a train."""
+    return gb.Drivetrain("rig").add("part", block)
+
+
 def _refused(make: Callable[[], Any], *words: str) -> None:
     with pytest.raises(gb.GearblocksError) as caught:
         gb.Drivetrain("rig").add("part", make())
@@ -83,7 +88,7 @@ def test_a_signal_takes_numbers_and_expressions(value: Any) -> None:
         (lambda: _mesh(teeth=(23,)), ["teeth = (23,) must be two whole numbers"]),
         (lambda: _mesh(teeth=(23.5, 41)), ["must be two whole numbers"]),
         (lambda: _mesh(teeth=(True, 41)), ["teeth[0] = True is no number"]),
-        (lambda: _mesh(teeth=("23", 41)), ["teeth[0] = '23' is no number"]),
+        (lambda: _added(_mesh(teeth=("z", 41))), ["teeth[0] = 'z' is no number"]),
         (lambda: _mesh(teeth=(gb.Parameter("z", 23), 41)), ["teeth[0]", "enters a ratio", "rig.set"]),
         (lambda: _mesh(teeth=None), ["teeth = None", "a value must be given"]),
         (lambda: _mesh(module=...), ["the base radii are unknown"]),
@@ -115,7 +120,7 @@ def test_a_signal_takes_numbers_and_expressions(value: Any) -> None:
         (lambda: _mesh(kk=1.0), ["GearMesh has no field 'kk'"]),
         (lambda: gb.IdealGear(), ["give either ratio or teeth"]),
         (lambda: gb.IdealGear(ratio=0), ["ratio = 0"]),
-        (lambda: gb.IdealGear(ratio="2"), ["ratio = '2' is no number"]),
+        (lambda: _added(gb.IdealGear(ratio="2 m")), ["ratio = '2 m' is no number"]),
         (lambda: gb.IdealGear(ratio=gb.Parameter("i", 2.0)), ["enters a ratio"]),
         (lambda: gb.IdealGear(teeth=(1, 2)), ["external = None must be True or False"]),
         (lambda: gb.SpeedLoad(coeffs=1.0), ["coeffs = 1.0 must be a row"]),
@@ -127,3 +132,8 @@ def test_a_signal_takes_numbers_and_expressions(value: Any) -> None:
 )
 def test_a_mistaken_field_is_named_with_value_and_rule(make: Callable[[], Any], words: list[str]) -> None:
     _refused(make, *words)
+
+
+@pytest.mark.parametrize(("text", "number"), [("3.5", 3.5), ("-2", -2.0), ("41/23", 41 / 23)])
+def test_a_ratio_may_be_text(text: str, number: float) -> None:
+    assert float(_added(gb.IdealGear(ratio=text)).ratio) == number

@@ -23,10 +23,11 @@ def figure() -> NotebookFigure:
 
 def test_a_figure_that_a_cell_shows_is_no_longer_one_of_pyplot(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(mpl, "get_backend", lambda: "module://matplotlib_inline.backend_inline")
+    before = pyplot.get_fignums()
     first, second = figure(), figure()
     with pytest.raises(NotImplementedError):  # which asks IPython for the usual picture
         first._ipython_display_()
-    assert pyplot.get_fignums() == [second.number]
+    assert pyplot.get_fignums() == [*before, second.number]
     pyplot.close(second)
 
 

@@ -198,7 +198,7 @@ def test_an_unstable_orbit_is_found_and_called_so(oscillator: Oscillator) -> Non
         (lambda rig: gb.classify(rig, "drive"), "section = 'drive' must be a section"),
         (lambda rig: gb.classify(rig, SECTION, rtol=float("nan")), "rtol"),
         (lambda rig: gb.lyapunov(rig, SECTION, rtol=-1.0), "rtol"),
-        (lambda rig: gb.bifurcation(rig, "drive", ["a"], section=SECTION), "values = .* must be numbers"),
+        (lambda rig: gb.bifurcation(rig, "drive", ["a"], section=SECTION), "drive = 'a' must be a number"),
     ],
 )
 def test_what_cannot_be_asked_is_refused_by_name(oscillator: Oscillator, call: Any, words: str) -> None:
