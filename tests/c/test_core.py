@@ -43,7 +43,7 @@ def _build_and_run(folder: Path, *flags: str) -> subprocess.CompletedProcess[str
 @pytest.mark.parametrize(
     "flags",
     [
-        pytest.param(("-O0",), id="unoptimized"),
+        pytest.param(("-O0",), id="unoptimized", marks=pytest.mark.long),  # the sanitizers of .ci/run have it
         pytest.param(FAST, id="fast", marks=pytest.mark.long),
         pytest.param(("-O2",), id="plain", marks=pytest.mark.long),
     ],

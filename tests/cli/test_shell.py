@@ -174,7 +174,9 @@ def test_equations_are_printed(script: Path, form: str, part: str, capsys: pytes
     assert part in out
 
 
-def test_equations_and_fmus_are_those_of_the_changed_train(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_equations_and_checked_fmus_are_those_of_the_changed_train(
+    script: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     change = ["--set", "shaft.k=50", "--without", "shaft.damping"]
     assert main(["equations", str(script), *change]) == 0
     out, _ = said(capsys)
@@ -185,6 +187,9 @@ def test_equations_and_fmus_are_those_of_the_changed_train(script: Path, capsys:
         described = packed.read("modelDescription.xml").decode()
     assert "shaft.c" not in described
     assert re.search(r'name="shaft.k".*?start="50(\.0)?"', described, re.S)
+    assert main(["check", str(fmu)]) == 0
+    out, _ = said(capsys)
+    assert str(fmu) in out
 
 
 @pytest.mark.parametrize(
@@ -252,14 +257,6 @@ def test_a_bad_train_is_told_with_all_its_problems(tmp_path: Path, capsys: pytes
     assert main(["run", str(path)]) == 2
     _, err = said(capsys)
     assert "Inertia 'm'" in err and "-1.0" in err
-
-
-def test_an_fmu_is_written_and_checked(script: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    fmu = script.with_suffix(".fmu")
-    assert main(["export", str(script), "-o", str(fmu)]) == 0
-    assert main(["check", str(fmu)]) == 0
-    out, _ = said(capsys)
-    assert str(fmu) in out
 
 
 def test_a_file_that_is_no_fmu_fails_its_check(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

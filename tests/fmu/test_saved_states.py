@@ -68,7 +68,7 @@ def _saved(instance: Instance) -> bytes:
 
 
 @pytest.mark.parametrize("phase", ["new", "running", "failed"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_one_flipped_bit_anywhere_is_noticed(fmu: Unpacked, phase: str) -> None:
     """In every byte one bit; the front, with what chooses among tables, bit by bit."""
     with Instance(fmu) as instance, Instance(fmu) as other:

@@ -73,6 +73,7 @@ def test_every_tool_draws_a_picture(tmp_path):
     ("ring", "sun", 42 * 78 / (42 + 78)), ("sun", "ring", 42 * 78 / (42 + 78)), ("carrier", "sun", 42.0),
 ])  # fmt: skip
 @pytest.mark.parametrize("nested", [False, True], ids=["whole", "nested"])
+@pytest.mark.few(2)
 def test_a_planetary_set_has_the_order_of_the_teeth_that_pass_its_carrier(held, driven, order, nested):
     rig, mesh = gb.Drivetrain("set"), gb.MeshLaw(k=3e8, c=500.0)
     gear = gb.PlanetaryGear(

@@ -317,6 +317,7 @@ def test_what_stands_on_paper_of_gains_and_of_teeth_is_what_runs(parts):
     assert written < 1000, "gains or teeth are written out"
 
 
-@pytest.mark.parametrize("kind", ["waves", "tables", pytest.param("errors", marks=pytest.mark.long)])
+@pytest.mark.parametrize("kind", ["waves", "tables", "errors"])
+@pytest.mark.few(1)
 def test_what_stands_on_paper_of_phases_and_slopes_is_what_runs(kind):
     _checked(planets(kind), 2)

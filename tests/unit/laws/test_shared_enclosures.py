@@ -73,7 +73,7 @@ def boxes(seed):
 
 
 @pytest.mark.parametrize("i", range(NUMBER))
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_what_is_shared_has_the_bits_of_what_is_enclosed_alone(library, i):
     one, other = (Box * COUNT)(), (Box * COUNT)()
     for x, y, _, _ in boxes(i):

@@ -40,6 +40,7 @@ def test_what_varies_with_a_given_angle_has_the_orbit_of_what_varies_with_time(c
     np.testing.assert_allclose(abs(found.orbit.multipliers), abs(right.orbit.multipliers), rtol=1e-4, atol=1e-9)
 
 
+@pytest.mark.long
 def test_exponents_are_those_beside_the_given_angle():
     section = gb.stroboscopic("speed")
     right, found = (
@@ -56,6 +57,7 @@ def test_a_speed_that_varies_gives_its_angle_too():
 
 
 @pytest.mark.parametrize("method", ["dp8", "dp5", "rodas", "auto"])
+@pytest.mark.few(1)
 def test_a_run_goes_on_late_at_a_whole_turn(method):
     """The angle is then rounding of its turn, and so is what its rate says of a first step: less than time is told to."""
     model = gb.build(_pair(gb.Fourier(cos=(0.2,))))
