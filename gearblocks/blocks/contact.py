@@ -72,7 +72,7 @@ def variation_problems(block: Any) -> Iterator[str]:
     if least < -1 - 1e-12:
         yield (
             f"stiffness_variation: in part of its cycle the stiffness is {1 + least:.3g} times k, below 0, and pushes the "
-            "teeth ever further apart; give a variation that stays above -1"
+            "teeth ever further apart; give a variation that stays above -1 (it is relative to k: divide what is in N/m by k)"
         )
 
 

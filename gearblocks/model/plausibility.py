@@ -1,5 +1,5 @@
-"""What in a train is possible and yet hardly meant, in words: values beyond what their field expects, parts that are joined to
-nothing, stiffnesses below zero within their cycle, natural frequencies above 1 MHz.
+"""What in a train is possible and yet hardly meant, in words: values beyond what their field expects or out of proportion
+(`proportions`), parts that are joined to nothing, stiffnesses below zero within their cycle, natural frequencies above 1 MHz.
 
 The largest natural frequency w of a train has a bound from below by each spring alone (Rayleigh's quotient):
 
@@ -22,6 +22,7 @@ from gearblocks.language.fields import COMPLIANCE
 from gearblocks.language.signals import Table
 from gearblocks.model.build import check_user_blocks
 from gearblocks.model.open_starts import open_starts
+from gearblocks.model.proportions import inertias_out_of_proportion, out_of_proportion
 from gearblocks.model.single_springs import inertias, is_stiffness, mobility, stiffnesses
 from gearblocks.train.graph import Train, Tree, blocks_of, flatten
 from gearblocks.train.plausibility import unusual
@@ -36,7 +37,9 @@ def implausible(tree: Tree) -> Iterator[str]:
     blocks = list(blocks_of(tree))
     for path, block in blocks:
         yield from unusual(path, block)
+        yield from out_of_proportion(path, block)
         yield from _negative(path, block)
+    yield from inertias_out_of_proportion(tree)
     if len(blocks) > 1:
         yield from _alone(tree)
     try:
