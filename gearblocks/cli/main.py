@@ -1,4 +1,5 @@
-"""The shell: demo, new, copy, list, doc, run, cost, effects, sweep, equations, draw, export, check, hard.
+"""The shell: demo, new, copy, list, doc, describe, outputs, parameters, inputs, run, cost, effects, sweep,
+equations, draw, export, check, hard.
 
 Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one message on standard error.
 """
@@ -15,12 +16,12 @@ from typing import Annotated
 import typer
 
 from gearblocks import __version__
-from gearblocks.cli import beginnings, run_report
+from gearblocks.cli import beginnings, listings, run_report
 from gearblocks.cli.costs import cost
 from gearblocks.cli.drawing import draw
 from gearblocks.cli.effects import effects
-from gearblocks.cli.terminal import accept_every_character, complain, progress, say, say_page
-from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, asked, built, named
+from gearblocks.cli.terminal import accept_every_character, complain, in_the_shell, progress, say, say_page
+from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, asked, built, named, threads
 from gearblocks.errors import CompileError, GearblocksError, SimulationError
 
 NO, BAD_INPUT = 1, 2
@@ -186,7 +187,7 @@ def sweep(
     step: Step = None,
     out: Annotated[Path | None, typer.Option(help="A folder, or a file: .csv, .nc, .zarr, .png ...")] = None,
     store: Annotated[Path | None, typer.Option(help="A folder (Zarr) from which a stopped sweep goes on.")] = None,
-    jobs: Annotated[int | None, typer.Option(help="Threads; without: all cores.")] = None,
+    jobs: Annotated[int | None, typer.Option(parser=threads, metavar="N", help="Threads; without: all cores.")] = None,
 ) -> None:
     """Run a train or a scene over a grid of values, and tell what each run comes to."""
     from gearblocks.cli import studies
@@ -206,7 +207,9 @@ def sweep(
     for path in studies.written(found, out) if out is not None and found.done.any() else []:
         say(f"wrote {path}")
     for failure in found.failures[:10]:
-        complain(f"{', '.join(f'{path} = {x:.6g}' for path, x in failure.point.items())}: {failure.message}")
+        complain(
+            in_the_shell(f"{', '.join(f'{path} = {x:.6g}' for path, x in failure.point.items())}: {failure.message}")
+        )
     if not found.complete or len(found.failures) == len(found):
         raise typer.Exit(NO)
 
@@ -235,7 +238,7 @@ def equations(
 def export(
     train: Train,
     out: Annotated[Path, typer.Option("-o", "--out", help="The FMU to write.")],
-    fmi: Annotated[str, typer.Option(help="Version of the standard.")] = "2.0",
+    fmi: Annotated[str, typer.Option(metavar="2.0", help="Version of the standard; there is 2.0.")] = "2.0",
     platform: Annotated[list[str] | None, typer.Option(help="Platform of a binary; repeatable.")] = None,
     change: Change = None,
     without: Without = None,
@@ -253,6 +256,8 @@ def export(
     say(f"wrote {path} ({path.stat().st_size / 1024:.0f} KiB)")
 
 
+for listing in (listings.describe, listings.outputs, listings.parameters, listings.inputs):
+    app.command()(listing)
 app.command()(draw)
 app.command()(cost)
 app.command()(effects)
@@ -292,13 +297,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the shell with `arguments` (those of the process where None); the answer is the exit status."""
     accept_every_character()
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: complain(f"warning: {message}")
+        warnings.showwarning = lambda message, *_, **__: complain(in_the_shell(f"warning: {message}"))
         try:
             app(args=None if arguments is None else list(arguments), prog_name="gearblocks")
         except SystemExit as stop:
             return stop.code if isinstance(stop.code, int) else NO
         except GearblocksError as error:
-            complain(str(error))
+            complain(in_the_shell(str(error)))
             return NO if isinstance(error, (SimulationError, CompileError)) else BAD_INPUT
         except KeyboardInterrupt:
             complain("stopped")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import codecs
 import io
+import re
 import sys
 import time
 import unicodedata
@@ -55,6 +56,23 @@ def say_page(html: str) -> None:
 def complain(words: str) -> None:
     """A message on standard error, with the name of the program."""
     print(f"gearblocks: {words}", file=sys.stderr)
+
+
+_IN_PYTHON = (
+    (r"rig\.(describe|outputs|parameters|inputs)\(\)", r"`gearblocks \1 FILE`"),
+    (r"rig\.set\(\{'([^']+)': [^}]*\}\)", r"--set \1=VALUE"),
+    (r"rig\.set(\(\.\.\.\))?", "--set PATH=VALUE"),
+    (r"rig\.without\((['\"][^'\"]+['\"])\)", r"--without \1"),
+    (r"help\(gb\.(\w+)\)", r"`gearblocks doc \1`"),
+)
+"""What messages tell a user of Python to write, and what one of the shell types."""
+
+
+def in_the_shell(message: str) -> str:
+    """A message with the ways out that there are in the shell."""
+    for python, shell in _IN_PYTHON:
+        message = re.sub(python, shell, message)
+    return message
 
 
 @contextmanager

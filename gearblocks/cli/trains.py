@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     from gearblocks.solver.library import Model
 
 Train = Annotated[str, typer.Argument(metavar="FILE[:NAME]", help="A script or shipped model; NAME: a function in it.")]
-Change = Annotated[list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="A parameter; repeatable.")]
+Change = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="A parameter; repeatable. `gearblocks parameters` lists them."),
+]
 Without = Annotated[list[str] | None, typer.Option(metavar="PATTERN", help="Leave effects out; repeatable.")]
 
 
@@ -25,6 +28,16 @@ def number(text: str | float) -> float:
         return float(text)
     except ValueError:
         raise typer.BadParameter(f"'{text}' is no number; give one such as 0.5 or 1e-6") from None
+
+
+def threads(text: str | int) -> int:
+    """The number of threads of an option."""
+    try:
+        if int(text) >= 1:
+            return int(text)
+    except ValueError:
+        pass
+    raise typer.BadParameter(f"{text} must be a whole number >= 1; without --jobs all cores work")
 
 
 SceneName = Annotated[
@@ -59,7 +72,7 @@ Step = Annotated[float | None, typer.Option(parser=seconds, metavar="TIME", help
 End = Annotated[
     float | None, typer.Option(parser=seconds, metavar="TIME", help="End of a run in s, or such as 20ms; else 1 s.")
 ]
-Initial = Annotated[str | None, typer.Option(help="static or static_at_start.")]
+Initial = Annotated[str | None, typer.Option(help="rolling, static or static_at_start.")]
 
 
 def named(text: str, change: Sequence[str] | None = None, without: Sequence[str] | None = None) -> Drivetrain:

@@ -64,13 +64,17 @@ class Listing(Sequence[Listed]):
         return small_table(self.what, rows, head=("name", "value", "unit", "meaning"), numbers=(1,))
 
     def __repr__(self) -> str:
-        rows = [(x.name, _shown(x.value), "" if x.unit == "1" else x.unit, x.words) for x in self.entries[:SHOWN]]
+        return self.table(SHOWN)
+
+    def table(self, most: int) -> str:
+        """How many there are, and as many lines as `most`."""
+        rows = [(x.name, _shown(x.value), "" if x.unit == "1" else x.unit, x.words) for x in self.entries[:most]]
         widths = [max((len(row[i]) for row in rows), default=0) for i in range(3)]
         lines = [
             "  " + "  ".join([*(f"{cell:<{w}}" for cell, w in zip(row, widths, strict=False) if w), row[3]]).rstrip()
             for row in rows
         ]
-        more = [f"  ... and {len(self) - SHOWN} more"] if len(self) > SHOWN else []
+        more = [f"  ... and {len(self) - most} more"] if len(self) > most else []
         count = f"{len(self)} {self.what if len(self) > 1 else self.what[:-1]}" if self.entries else f"no {self.what}"
         return "\n".join([count, *lines, *more])
 

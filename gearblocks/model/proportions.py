@@ -1,8 +1,9 @@
 """Sizes that do not fit each other, in words: numbers in SI that were given in another unit, as a rule.
 
-Teeth are judged by their module m (which 2 r_b / z stands for where base radii are given): a gap or an error larger than m, a
-stiffness below 1e8 N/m2 times m (steel: 1e11, plastics: 1e9), damping c that leaves the teeth apart for longer than 10 ms (c/k).
-Trains without dimensions (a module above 0.1 m, of which is asked elsewhere) take any. Knows nothing of laws and of runs.
+Teeth are judged by their module m (which 2 r_b / z stands for where base radii are given): a gap or an error larger than m,
+a stiffness below 1e8 N/m2 times m (steel: 1e11, plastics: 1e9), damping c that leaves the teeth apart for longer than
+10 ms (c/k). Trains without dimensions (a module above 0.1 m, of which is asked elsewhere) take any.
+Knows nothing of laws and of runs.
 """
 
 from __future__ import annotations
@@ -55,8 +56,8 @@ def inertias_out_of_proportion(tree: Tree) -> Iterator[str]:
     if len(sizes) > 1 and sizes[-1][0] > _LARGER * sizes[-2][0] and sizes[-1][0] >= 1.0:
         (size, name, _), (next_size, next_name, _) = sizes[-1], sizes[-2]
         yield (
-            f"{name} = {size:g} kg m2 is {size / next_size:.1g} times {next_name}, the next largest inertia, which moves nothing "
-            f"of it; {size:g} kg cm2 is written as '{size:g} kg cm2', a speed that nothing changes is gb.Speed(...)"
+            f"{name} = {size:g} kg m2 is {size / next_size:.1g} times {next_name}, the next largest inertia, which "
+            f"moves nothing of it; {size:g} kg cm2 is written as '{size:g} kg cm2', a given speed is gb.Speed(...)"
         )
 
 
@@ -136,8 +137,8 @@ def _tables(path: str, owner: Declared, module: float) -> Iterator[str]:
             largest = float(np.abs(part.table.y).max())
             if "stiffness_variation" in where and largest > _MANY:
                 yield (
-                    f"{where}.table comes to {largest:g}: its values are relative to k (0.1: one tenth more); for a table in N/m "
-                    "give k = its mean, and as values its y / mean - 1"
+                    f"{where}.table comes to {largest:g}: its values are relative to k (0.1: one tenth more); for a table in "
+                    "N/m give k = its mean, and as values its y / mean - 1"
                 )
             elif ".transmission_error" in where and largest > module:
                 yield (
@@ -160,6 +161,6 @@ def _ring_inside(path: str, block: Block) -> Iterator[str]:
         one, two = (constant_value(x) for x in teeth)
         if one > two:
             yield (
-                f"{path}.teeth = ({one:g}, {two:g}) of an internal pair: the wheel is the ring, and it has fewer teeth than the "
-                f"pinion inside; give ({two:g}, {one:g}), and connect the ring to {path}.wheel"
+                f"{path}.teeth = ({one:g}, {two:g}) of an internal pair: the wheel is the ring, and it has fewer teeth than "
+                f"the pinion inside; give ({two:g}, {one:g}), and connect the ring to {path}.wheel"
             )

@@ -13,6 +13,7 @@ import pytest
 
 import gearblocks
 from gearblocks.cli.main import main
+from gearblocks.cli.terminal import in_the_shell
 from gearblocks.simulation.trajectory import Trajectory
 
 SCRIPT = '''"""A motor that swings against the ground through a shaft."""
@@ -56,7 +57,10 @@ def broken() -> gb.Drivetrain:
     return undefined_name
 '''
 
-COMMANDS = ("demo", "new", "copy", "list", "run", "cost", "sweep", "equations", "draw", "export", "check", "hard")
+COMMANDS = (
+    "demo", "new", "copy", "list", "doc", "describe", "outputs", "parameters", "inputs", "run", "cost", "effects", "sweep",
+    "equations", "draw", "export", "check", "hard",
+)  # fmt: skip
 
 
 @pytest.fixture
@@ -273,3 +277,33 @@ def test_a_run_can_start_in_the_static_equilibrium(script: Path, capsys: pytest.
     assert main(["run", str(script), "--initial", "balanced"]) == 2
     _, err = said(capsys)
     assert "initial = 'balanced' must be start values" in err
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        (["describe"], r"shaft +Shaft +k = 150.0 N m/rad"),
+        (["outputs", "shaft.*"], r"shaft.twist +rad +\w"),
+        (["parameters"], r"shaft.k +150 +N m/rad +torsional stiffness"),
+        (["inputs"], "no inputs"),
+    ],
+)
+def test_what_a_train_has_is_listed(
+    script: Path, command: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main([command[0], str(script), *command[1:], "--set", "shaft.k=150"]) == 0
+    out, err = said(capsys)
+    assert re.search(words, out) and err == ""
+
+
+def test_messages_name_in_the_shell_what_can_be_typed_there() -> None:
+    told = {
+        "rig.describe() lists all values": "`gearblocks describe FILE` lists all values",
+        "make one study for each rig.set({'gear.ratio': ...})": "make one study for each --set gear.ratio=VALUE",
+        "enters a ratio: give a plain number, and another one with rig.set(...)": "enters a ratio: give a plain number, and "
+        "another one with --set PATH=VALUE",
+        'or leave it out: rig.without("mesh.compliance")': 'or leave it out: --without "mesh.compliance"',
+        "rig.outputs() and rig.inputs() list": "`gearblocks outputs FILE` and `gearblocks inputs FILE` list",
+        "nothing of Python": "nothing of Python",
+    }
+    assert [in_the_shell(words) for words in told] == list(told.values())

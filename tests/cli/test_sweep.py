@@ -114,7 +114,7 @@ def test_a_store_goes_on_where_it_was(script: str, tmp_path: Path, capsys: pytes
         (["--over", "k=1:2:3", "--of", "peak(motor.w, after=2)"], "after = 2 s"),
         (["--over", "k=1:2:3", "--out", "x.txt"], "--out x.txt"),
         (["--over", "k=1:2:3", "--out", "no/such/folder"], "there is no folder"),
-        (["--over", "k=1:2:3", "--jobs", "0"], "threads = 0"),
+        (["--over", "k=1:2:3", "--jobs", "0"], "0 must be a whole number >= 1"),
     ],
 )
 def test_bad_input_is_one_clear_message(

@@ -227,8 +227,10 @@ def test_a_train_that_is_not_finished_is_described() -> None:
 
 @pytest.mark.parametrize("model", scripts.shipped())
 @pytest.mark.few(1)
-def test_nothing_is_asked_about_a_shipped_model(model: str) -> None:
-    assert _doubts(scripts.make(model)) == []
+def test_nothing_is_asked_about_the_trains_and_scenes_of_a_shipped_model(model: str) -> None:
+    for maker in scripts.makers(scripts.shipped()[model]):
+        made = scripts.made(f"{model}:{maker.name}")
+        assert _doubts(made if isinstance(made, gb.Drivetrain) else made.drivetrain) == [], maker.name
 
 
 @pytest.mark.parametrize(
