@@ -29,6 +29,8 @@ def effects(
     trials = Trials(asked)
     prices = priced(trials)
     say(str(prices))
+    if not prices.complete:
+        raise KeyboardInterrupt
     if not fit:
         return
     best = fitted(trials, prices)

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from threading import Event
 from time import thread_time
 from typing import Any, NamedTuple, final
 
@@ -21,7 +22,7 @@ from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.sections import RELATIVE
 from gearblocks.analysis.span import Span, program_span
-from gearblocks.analysis.study_point import Measure
+from gearblocks.analysis.study_point import Interrupted, Measure
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError, ParameterError, SimulationError
 from gearblocks.language.starts import is_rolling
@@ -44,6 +45,7 @@ from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.records import Stats
 from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.run import run_case, stats_of
+from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import opened, state_matrix
 from gearblocks.solver.structures import Code
@@ -86,7 +88,7 @@ class Outcome(NamedTuple):
 @dataclass(frozen=True, slots=True, eq=False)
 class Bench:
     """One train of a scene, ready to be run. start: the state that it starts from (None: that of its parameters); patience:
-    CPU seconds that a run may take."""
+    CPU seconds that a run may take; ended: set where no run is wanted any more."""
 
     scene: Scene
     drivetrain: Drivetrain
@@ -95,11 +97,12 @@ class Bench:
     inputs: Mapping[str, Any]
     start: Array | None
     patience: float = math.inf
+    ended: Event = field(default_factory=Event)
 
     def outcome(self, effort: Effort, factors: Array | None = None) -> Outcome:
         """The quantities of a run, its parameters times `factors`, shape (n_parameters,), where given.
 
-        Raises SimulationError."""
+        Raises SimulationError, Interrupted."""
         case, why = self._case(effort, factors)
         span, needs = self._asked(case.parameters)
         program = self.model.program
@@ -107,8 +110,12 @@ class Bench:
             set_inputs(sim, program, self.inputs)
             before = thread_time()
             try:
-                run = measured_run(sim, case, needs, lambda: thread_time() - before > self.patience)
+                run = measured_run(
+                    sim, case, needs, lambda: self.ended.is_set() or thread_time() - before > self.patience
+                )
             except StoppedError as stopped:
+                if self.ended.is_set():
+                    raise Interrupted from None
                 if stopped.code is None:
                     words = f"the run takes more than {self.patience:.3g} s of CPU time"
                     raise SimulationError(sim.counters.t, "", words, "give it a larger budget") from None
@@ -116,7 +123,9 @@ class Bench:
                 raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
             counters, cpu = sim.counters, thread_time() - before
         measures = self.scene.measures
-        whole = None if all(isinstance(m, Quantity) for m in measures) else run_case(self.model, case, why)
+        whole = (
+            None if all(isinstance(m, Quantity) for m in measures) else _uninterrupted(run_case(self.model, case, why))
+        )
         values = [_value(m, run if isinstance(m, Quantity) else whole, span) for m in measures]
         names = self._traced()
         trace = run.table(names, self._times()).reshape(QUARTERS, -1, len(names))
@@ -128,7 +137,7 @@ class Bench:
         SimulationError."""
         case, why = self._case(effort, None)
         ends = [self.scene.begin, self.scene.end]
-        found = [run_case(self.model, case, why, t=ends, outputs=()).stats for _ in range(repeats)]
+        found = [_uninterrupted(run_case(self.model, case, why, t=ends, outputs=())).stats for _ in range(repeats)]
         return min(found, key=lambda stats: stats.cpu_seconds)
 
     def fastest(self) -> float:
@@ -177,6 +186,13 @@ class Bench:
         names = [name for name in program.output_numbers if name.rpartition(".")[2] in RELATIVE]
         names += [state.name for state in program.states if state.name.endswith((".w", ".v"))]
         return tuple(names[:: 1 + len(names) // _MOST])
+
+
+def _uninterrupted(run: Trajectory) -> Trajectory:
+    """A run, unless Ctrl-C ended it."""
+    if not run.complete:
+        raise KeyboardInterrupt
+    return run
 
 
 def _value(measure: Measure, run: Any, span: Span) -> float:

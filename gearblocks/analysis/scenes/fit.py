@@ -44,7 +44,10 @@ def fit(scene: Scene, *, progress: Callable[[int, int], object] | None = None) -
     if not isinstance(scene, Scene):
         raise ParameterError(f"fit takes a gb.Scene, not {scene!r:.80}")
     trials = Trials(scene)
-    return fitted(trials, priced(trials, progress))
+    prices = priced(trials, progress)
+    if not prices.complete:
+        raise KeyboardInterrupt  # nothing is known yet of what holds
+    return fitted(trials, prices)
 
 
 def fitted(trials: Trials, price: Price) -> Fit:

@@ -33,8 +33,8 @@ def price(scene: Scene, *, progress: Callable[[int, int], object] | None = None)
     """What each effect of a scene's train costs and changes: rows by effect, element, and sets that matter together.
 
     Alike effects ("mesh[1].backlash", "mesh[2].backlash") are one row. Every change has an error; the verdict is needed, not
-    needed or undecided. progress: called with the trains that are built and run, and how many there are to be. Raises what a
-    run of the scene raises.
+    needed or undecided. progress: called with the trains that are built and run, and how many there are to be. Ctrl-C
+    keeps the rows that are done (`complete` is False then). Raises what a run of the scene raises.
     """
     if not isinstance(scene, Scene):
         raise ParameterError(f"price takes a gb.Scene, not {scene!r:.80}")
@@ -50,13 +50,22 @@ def priced(trials: Trials, progress: Callable[[int, int], object] | None = None)
     wanted = [part for part in (*single, *whole) if not _owners(part) <= idle]
     asked = _chosen(wanted)
     untried = tuple(part.name for part in single if part in wanted and part not in asked)
-    with shown_progress(len(asked), 0, progress, "price", "trains") as show:
-        found = trials.all([part.effects for part in asked], lambda done, _: show(done))
-    rows = [_row(trials, part, trial) for part, trial in zip(asked, found, strict=True)]
-    rows += [_free_row(trials, part) for part in free]
-    rows += [_row(trials, part, trials.trial(part.effects), together=True) for part in _together(trials, rows)]
+    complete, rows = True, [_free_row(trials, part) for part in free]
+    try:
+        with shown_progress(len(asked), 0, progress, "price", "trains") as show:
+            found = trials.all([part.effects for part in asked], lambda done, _: show(done))
+        for i, (part, trial) in enumerate(zip(asked, found, strict=True)):
+            rows.insert(i, _row(trials, part, trial))
+        for part in _together(trials, tuple(rows)):
+            rows.append(_row(trials, part, trials.trial(part.effects), together=True))
+    except KeyboardInterrupt:
+        complete = False
+        told = {row.name for row in rows}
+        known = [(part, trials.known(part.effects)) for part in asked if part.name not in told]
+        rows += [_row(trials, part, trial, patience=False) for part, trial in known if trial is not None]
+        untried += tuple(part.name for part, trial in known if trial is None)
     return Price(
-        trials.scene, trials.whole.estimates[1], trials.whole, tuple(rows), trials.count, trials.runs, untried
+        trials.scene, trials.whole.estimates[1], trials.whole, tuple(rows), trials.count, trials.runs, untried, complete
     )  # fmt: skip
 
 
@@ -72,8 +81,8 @@ def _chosen(wanted: Sequence[Part]) -> list[Part]:
     return [wanted[i] for i in sorted(kept)]
 
 
-def _row(trials: Trials, part: Part, trial: Trial, together: bool = False) -> Row:
-    judgement = trials.judged(trial)
+def _row(trials: Trials, part: Part, trial: Trial, together: bool = False, patience: bool = True) -> Row:
+    judgement = trials.judged(trial, patience)
     bench, whole = trial.bench, trials.whole
     fastest = math.nan
     if bench is not None:

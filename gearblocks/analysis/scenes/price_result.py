@@ -43,7 +43,7 @@ class Row:
 class Price:
     """What each effect of a scene costs and changes. rows: effects, elements, and sets that matter together; full: the
     quantities with everything, and their errors; whole: the train with everything; trains, runs: how many were built and
-    made; untried: what no train was left for.
+    made; untried: what no train, or no time, was left for; complete: whether Ctrl-C did not end it.
     """
 
     scene: Scene
@@ -53,6 +53,7 @@ class Price:
     trains: int
     runs: int
     untried: tuple[str, ...] = ()
+    complete: bool = True
 
     def __getitem__(self, name: str) -> Row:
         """The row of that name. Raises UnknownNameError."""
@@ -85,6 +86,7 @@ class Price:
         words = [f"{_HEADS[kind]}: {', '.join(kinds[kind])}" for kind in _HEADS if kind in kinds]
         words += [f"together {row.judgement.verdict}: {self._said(row)}" for row in self.rows if row.together]
         words += [f"not tried: {', '.join(self.untried)}"] if self.untried else []
+        words += [] if self.complete else ["stopped before the end: what matters together is not known"]
         return f"{lead}: {'; '.join(words) or 'the train has no effects'}"
 
     def _told(self) -> list[Row]:
@@ -142,7 +144,8 @@ class Price:
         return "\n".join([str(self.scene), *lines, *told, self.sentence])
 
     def __repr__(self) -> str:
-        return f"<Price of '{self.scene.name}': {len(self.rows)} rows, {self.trains} trains, {self.runs} runs>"
+        end = "" if self.complete else ", stopped"
+        return f"<Price of '{self.scene.name}': {len(self.rows)} rows, {self.trains} trains, {self.runs} runs{end}>"
 
     def _repr_html_(self) -> str:
         head, rows = self.table()

@@ -15,8 +15,9 @@ import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
+from threading import Event
 from typing import final
 
 import numpy as np
@@ -146,6 +147,7 @@ class Trials:
     def __init__(self, scene: Scene, effort: Effort = Effort()) -> None:  # noqa: B008  frozen
         self.scene, self.effort = scene, effort
         self._known: dict[frozenset[str], Trial] = {}
+        self.ended = Event()  # by Ctrl-C
         self.whole = Trial(frozenset(), scene.drivetrain, bench_of(scene), built=True)
         self._run(self.whole)
         self._known[frozenset()] = self.whole
@@ -160,19 +162,29 @@ class Trials:
         """Runs that were made in all."""
         return sum(trial.runs for trial in self._known.values())
 
+    def known(self, effects: Iterable[str]) -> Trial | None:
+        """The trial of this set, where it was made."""
+        return self._known.get(variants.gone(self.scene.drivetrain, effects))
+
     def trial(self, effects: Iterable[str]) -> Trial:
         """The train without these effects and all that rest on them."""
         return self.all([effects])[0]
 
     def all(self, sets: Sequence[Iterable[str]], tell: Callable[[int, int], object] | None = None) -> list[Trial]:
-        """Trials of several sets, built and run side by side."""
+        """Trials of several sets, built and run side by side. Ctrl-C ends the runs in hand and those to come; what is done by
+        then is `known`."""
         wanted = [variants.gone(self.scene.drivetrain, effects) for effects in sets]
         new = [effects for effects in dict.fromkeys(wanted) if effects not in self._known]
         with ThreadPoolExecutor(max(1, min(len(new), os.cpu_count() or 1))) as pool:
-            for number, trial in enumerate(pool.map(self._made, new)):
-                self._known[trial.effects] = trial
-                if tell is not None:
-                    tell(number + 1, len(new))
+            try:
+                for number, trial in enumerate(pool.map(self._made, new)):
+                    self._known[trial.effects] = trial
+                    if tell is not None:
+                        tell(number + 1, len(new))
+            except KeyboardInterrupt:
+                self.ended.set()
+                pool.shutdown(wait=False, cancel_futures=True)
+                raise
         return [self._known[effects] for effects in wanted]
 
     def _made(self, effects: frozenset[str]) -> Trial:
@@ -181,7 +193,7 @@ class Trials:
         try:
             model = build(trial.train)
             trial.built = True
-            trial.bench = bench_of(self.scene, trial.train, self.whole.bench.model, model)
+            trial.bench = replace(bench_of(self.scene, trial.train, self.whole.bench.model, model), ended=self.ended)
             self._run(trial)
         except UnknownNameError as error:
             trial.message, trial.lost = str(error), True

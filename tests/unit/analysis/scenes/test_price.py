@@ -57,6 +57,26 @@ def test_what_cannot_influence_is_free_without_a_run(discs_scene: gb.Scene, disc
     assert "without influence: belt.compliance" in discs_price.sentence
 
 
+def test_ctrl_c_keeps_the_rows_that_are_done(discs_scene: gb.Scene, discs_price: Any) -> None:
+    def tell(done: int, total: int) -> None:
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    stopped = gb.price(discs_scene, progress=tell)
+    ran = {row.name for row in stopped.rows if row.stats is not None}
+    assert not stopped.complete and discs_price.complete
+    assert len(ran) >= 2 and ran.isdisjoint(stopped.untried)
+    assert ran | set(stopped.untried) == {
+        row.name for row in discs_price.rows if row.stats is not None and not row.together
+    }
+    for row in stopped.rows:
+        assert row.judgement.verdict is discs_price[row.name].judgement.verdict
+        np.testing.assert_array_equal(row.judgement.changes, discs_price[row.name].judgement.changes)
+    assert "stopped before the end" in stopped.sentence and repr(stopped).endswith(", stopped>")
+    with pytest.raises(KeyboardInterrupt):
+        gb.fit(discs_scene, progress=tell)
+
+
 def test_an_unknown_row_is_named(discs_price: Any) -> None:
     with pytest.raises(gb.UnknownNameError, match=r"no row 'bearing\.windag'.*did you mean 'bearing\.windage'"):
         discs_price["bearing.windag"]
