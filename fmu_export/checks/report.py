@@ -6,9 +6,11 @@ import html
 from dataclasses import dataclass
 from pathlib import Path
 
+from gearblocks.language.tidy import Tidy
+
 
 @dataclass(frozen=True, slots=True)
-class Item:
+class Item(metaclass=Tidy):
     """One check. ok is None where it could not be made here; `words` says what was seen."""
 
     name: str
@@ -17,7 +19,7 @@ class Item:
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class Report(metaclass=Tidy):
     """All checks of one FMU. differences: (output, largest difference from the run in-process over its peak)."""
 
     path: Path

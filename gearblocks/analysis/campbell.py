@@ -12,6 +12,7 @@ from gearblocks.analysis.linearization import OperatingPoint, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.language.tidy import Tidy
 from gearblocks.pages import small_table
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
@@ -36,7 +37,7 @@ class Crossing(NamedTuple):
 
 @final
 @dataclass(frozen=True, eq=False)
-class Campbell:
+class Campbell(metaclass=Tidy):
     """Natural frequencies [rad/s], shape (speeds, modes), over speeds [rad/s]; orders: excitations per turn by name."""
 
     name: str

@@ -23,6 +23,7 @@ from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.language.starts import is_rolling
+from gearblocks.language.tidy import Tidy
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
@@ -37,7 +38,7 @@ from gearblocks.simulation.arguments import (
     resolve,
     set_inputs,
     start_state,
-)
+)  # fmt: skip
 from gearblocks.simulation.equilibrium import static_point
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.simulation.rolling import rolled
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from gearblocks.equations.document import Document
-
 
 OperatingPoint: TypeAlias = Start
 Complex = NDArray[np.complex128]
@@ -102,7 +102,7 @@ def _named(t: float) -> Iterator[None]:
 
 @final
 @dataclass(frozen=True, eq=False)
-class Linearization:
+class Linearization(metaclass=Tidy):
     """dx/dt = A x + B u, y = C x + D u for small deviations from a point, contacts keeping their side.
 
     Active switched constraints (stuck, closed) act as rigid constraints: dependent states are left out. What slides acts by
@@ -338,7 +338,7 @@ def _moved_parameter(point: Point, i: int, columns: Indices, pick: list[int]) ->
 
 @final
 @dataclass(frozen=True, eq=False)
-class FrequencyResponse:
+class FrequencyResponse(metaclass=Tidy):
     """Complex response of outputs to a harmonic input: output = Re(H exp(i w t)) for the input cos(w t).
 
     frequencies [rad/s]; values: shape (frequencies, outputs); units: of the outputs, per unit of the input.

@@ -18,6 +18,7 @@ from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.language.tidy import Tidy
 from gearblocks.pages import small_table
 from gearblocks.running import build
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
@@ -41,7 +42,7 @@ _REAL = 1e-9  # a smaller imaginary part, relative to the eigenvalue, is roundin
 
 @final
 @dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(metaclass=Tidy):
     """Modes in rising order of frequency, free rotations first.
 
     frequencies: undamped natural frequencies [rad/s], shape (k,), exactly 0 for free rotations; hertz: the same in Hz;

@@ -140,7 +140,7 @@ class Count(Quantity):
 
     def measure(self, run: Solution, span: Span) -> float:
         """How many there are."""
-        return float(len(self.chosen(run.events, *self.window(span))))
+        return float(len(self.chosen(run.events, span)))
 
 
 @final
@@ -168,7 +168,7 @@ class EventTime(Quantity):
 
     def measure(self, run: Solution, span: Span) -> float:
         """Its time."""
-        times = self.chosen(run.events, *self.window(span))["t"]
+        times = self.chosen(run.events, span)["t"]
         return float(times[self.number]) if -len(times) <= self.number < len(times) else float("nan")
 
 
@@ -297,7 +297,11 @@ def count(
     component: str | None = None, kind: str | None = None, *, after: float | str | None = None,
     before: float | str | None = None,
 ) -> Count:  # fmt: skip
-    """Number of events: of a component (a name or pattern, with its parts), of a kind ("state", "time", "impact"), or all."""
+    """Number of events: of a component (a name or pattern, with its parts), of a kind ("state", "time", "impact"), or all.
+
+    The parts of a mesh with a measured table have an event at each of its points; kind="contact_lost" or "contact_made" counts
+    where a mesh, spline, lash or stop opens or closes (an impact that rebounds closes).
+    """
     return Count(component, kind, time_of("after", after), time_of("before", before))
 
 

@@ -19,6 +19,9 @@ from gearblocks.simulation.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 
+CONTACT = ("contact_made", "contact_lost")
+"""Kinds of events beside KINDS: of what has an output "contact" (a mesh, spline, lash or stop)."""
+
 
 class Quantity:
     """Base of all quantities. `quantity.of(run)` is its value [unit], `quantity.name` the name of its column."""
@@ -91,26 +94,48 @@ class Quantity:
             )
         return span.units[name]
 
-    def chosen(self, events: Events, start: float, end: float) -> NDArray[np.void]:
+    def chosen(self, events: Events, span: Span) -> NDArray[np.void]:
         """Events of the component and kind that are asked for, within the window."""
-        rows = events.array
+        rows, (start, end) = events.array, self.window(span)
         component, kind = getattr(self, "component", None), getattr(self, "kind", None)
         keep = (rows["t"] >= start) & (rows["t"] <= end)
         if component is not None:
             wanted = np.array([belongs(name, component) for name in events.components], dtype=np.bool_)
             keep &= wanted[rows["component"]]
-        if kind is not None:
+        if kind in KINDS:
             keep &= rows["kind"] == KINDS.index(kind)
+        elif kind is not None:
+            touching = np.array([_touches(name, span) for name in events.components], dtype=np.bool_)
+            keep &= touching[rows["component"]] & _contact(rows, made=kind == CONTACT[0])
         chosen: NDArray[np.void] = rows[keep]
         return chosen
 
     def check_events(self, span: Span) -> None:
         component, kind = getattr(self, "component", None), getattr(self, "kind", None)
-        if kind is not None and kind not in KINDS:
+        kinds = (*KINDS, *CONTACT)
+        if kind is not None and kind not in kinds:
             raise ParameterError(
-                f"{self.name}: kind = {kind!r} must be one of {', '.join(KINDS)}{did_you_mean(kind, KINDS)}"
+                f"{self.name}: kind = {kind!r} must be one of {', '.join(kinds)}{did_you_mean(kind, kinds)}"
             )
         known(self.name, component, span.components, "events")
+        if kind in CONTACT:
+            having = tuple(name.removesuffix(".contact") for name in span.units if name.endswith(".contact"))
+            known(self.name, component or "*", having, "contact")
+
+
+def _touches(component: str, span: Span) -> bool:
+    """Whether its events are those of a contact: a mesh, spline or lash itself, each side of a stop."""
+    owner, _, part = component.rpartition(".")
+    return f"{component}.contact" in span.units or (part in ("lower", "upper") and f"{owner}.contact" in span.units)
+
+
+def _contact(rows: NDArray[np.void], made: bool) -> NDArray[np.bool_]:
+    """Events that make contact (from none, from the other side, or by an impact), or lose it."""
+    before, after, state = rows["before"], rows["after"], rows["kind"] == KINDS.index("state")
+    if not made:
+        return np.asarray(state & (before != 0) & (after == 0))
+    found = (state & (after != 0) & (before != after)) | (rows["kind"] == KINDS.index("impact"))
+    return np.asarray(found)
 
 
 def time_of(name: str, value: float | str | None) -> float | None:

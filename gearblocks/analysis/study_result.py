@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import StorageError, UnknownNameError, did_you_mean
 from gearblocks.files import reason, replacing, write_bytes
+from gearblocks.language.tidy import Tidy
 from gearblocks.pages import small_table
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ class Failure(NamedTuple):
 
 @final
 @dataclass(frozen=True, slots=True, eq=False)
-class Study:
+class Study(metaclass=Tidy):
     """Quantities over the points of a study.
 
     paths, units: what varies, and its units; points: its values, shape (points, paths); shape: lengths of the dimensions of

@@ -29,9 +29,10 @@ GRADE: Any = signal("angle of the slope, over time or gb.distance", "rad", defau
 class TyreSlip(Effect):
     """Longitudinal force of the tyres over their slip, in the form of Bakker, Nyborg and Pacejka (SAE 870421, 1987).
 
-        slip = (radius w - v)/sqrt(v^2 + low_speed^2),   F = D sin(C atan(stiffness slip/(C D))),   D = grip normal force
+        slip = (radius w - v)/sqrt(v^2 + low_speed^2),   F = D sin(C atan(stiffness slip/(C D))),   D = grip m g
 
-    C: shape; 1 rises to D without falling again. Below low_speed the tyre is a viscous coupling.
+    m g: the weight of the vehicle, all of which rests on the driven wheels (a block `Tyre` stands for one axle). C: shape;
+    1 rises to D without falling again. Below low_speed the tyre is a viscous coupling.
 
     Example:
         car = gb.Vehicle(mass=1200.0, wheel_radius=0.3, tyre=gb.TyreSlip(stiffness=1e5, grip=1.0, low_speed=0.5))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from gearblocks.cli.terminal import say
 from gearblocks.cli.trains import Change, Train, Without, named
-from gearblocks.model.listing import Listing
+
+if TYPE_CHECKING:
+    from gearblocks.model.listing import Listing
 
 Patterns = Annotated[
     list[str] | None, typer.Argument(metavar="[PATTERN]...", help="Such as 'mesh.*'; without: all of them.")

@@ -20,10 +20,11 @@ from gearblocks.geometry.ratio_curves import TURN, Array, Curve, Ellipse, Extrem
 from gearblocks.geometry.ratio_fit import Fit, driver_angle, from_function, from_table, largest_segment, segments
 from gearblocks.geometry.ratio_inverse import inverse_fit, joints_of
 from gearblocks.language.expression import finite_number
+from gearblocks.language.tidy import Tidy
 
 
 @dataclass(frozen=True, eq=False)
-class RatioLaw:
+class RatioLaw(metaclass=Tidy):
     """The angle F(phi) of gear 2 over the angle phi of gear 1 (both from the carrier, F(0) = 0) and m = F' > 0.
 
         F(phi) = n1/n2 phi + ripple(phi)        n1, n2: how often the law repeats in a turn of gear 1 and of gear 2

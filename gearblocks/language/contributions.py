@@ -11,9 +11,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from gearblocks.language.tidy import Tidy
+
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class Body(metaclass=Tidy):
     """An inertia at a flange: J [kg m2], or the mass [kg] of a slider."""
 
     flange: Any
@@ -21,7 +23,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True)
-class Force:
+class Force(metaclass=Tidy):
     """A generalised force along a deflection: every flange gets the torque -force * d deflection / d phi (virtual work).
 
     Factors of angles in a deflection are taken as they are, floats too; what is left where floats cancel (1e-14 of their
@@ -33,14 +35,14 @@ class Force:
 
 
 @dataclass(frozen=True, slots=True)
-class Potential:
+class Potential(metaclass=Tidy):
     """An energy [J] of the flange angles: every flange gets the torque -d energy / d phi."""
 
     energy: Any
 
 
 @dataclass(frozen=True, slots=True)
-class Acts:
+class Acts(metaclass=Tidy):
     """The torque tau [N m] that the block exerts ON the flange."""
 
     flange: Any
@@ -48,7 +50,7 @@ class Acts:
 
 
 @dataclass(frozen=True, slots=True)
-class Tie:
+class Tie(metaclass=Tidy):
     """A rigid constraint: `zero` stays 0.
 
     Linear in the flange angles with exact ratios; or, where it moves with time, with states or not linearly with angles,
@@ -64,7 +66,7 @@ class Tie:
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(metaclass=Tidy):
     """A prescribed motion by speed: `zero`, linear in the flange speeds with the factors 1 and -1, stays zero. The rest must be
     continuous."""
 
@@ -72,7 +74,7 @@ class Motion:
 
 
 @dataclass(frozen=True, slots=True)
-class Start:
+class Start(metaclass=Tidy):
     """The start value of a state of the block, computed from angles, time and parameters at the start."""
 
     state: Any
@@ -80,7 +82,7 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True)
-class Rate:
+class Rate(metaclass=Tidy):
     """The time derivative of a state of the block."""
 
     state: Any
@@ -88,7 +90,7 @@ class Rate:
 
 
 @dataclass(frozen=True, slots=True)
-class Hold:
+class Hold(metaclass=Tidy):
     """A state that stays as it is until `when` comes to 1, or to -1, at an event; it then takes `value` of that instant.
 
     when: an expression of conditions that the law has anyway (the side of a contact, say), -1, 0 or 1.
@@ -100,7 +102,7 @@ class Hold:
 
 
 @dataclass(frozen=True, slots=True)
-class Switch:
+class Switch(metaclass=Tidy):
     """A named located switch: mode `high` where surface >= 0, else `low`; located only while `when` is not zero.
 
     Conditions written with Piecewise, Abs, sign, Min, Max or Heaviside are located without one; a Switch gives them a
@@ -116,7 +118,7 @@ class Switch:
 
 
 @dataclass(frozen=True, slots=True)
-class Stick:
+class Stick(metaclass=Tidy):
     """A switched constraint along a slip, linear in the flange speeds with constant factors: dry friction, or a lock.
 
     A force > 0 drives the slip up: every flange gets the torque force * d slip / d w. While stuck the slip is exactly 0
@@ -135,7 +137,7 @@ class Stick:
 
 
 @dataclass(frozen=True, slots=True)
-class Stop:
+class Stop(metaclass=Tidy):
     """A unilateral constraint: the gap, linear in the flange angles with constant factors, stays >= 0.
 
     It closes by an impact with Newton's restitution (rate after = -restitution * rate before) and stays closed while it
@@ -150,7 +152,7 @@ class Stop:
 
 
 @dataclass(frozen=True, slots=True)
-class LossyTie:
+class LossyTie(metaclass=Tidy):
     """A rigid constraint with losses in proportion to its constraint force, and stuck at rest.
 
     tie: the speed that stays 0, linear in the flange speeds; its force F is Symbols.stick("tie"). slip: the speed along
@@ -168,7 +170,7 @@ class LossyTie:
 
 
 @dataclass(frozen=True, slots=True)
-class Shows:
+class Shows(metaclass=Tidy):
     """An output of the block."""
 
     name: str
@@ -178,7 +180,7 @@ class Shows:
 
 
 @dataclass(frozen=True, slots=True)
-class Energy:
+class Energy(metaclass=Tidy):
     """Entry of the ledger: stored energy [J] and lost power [W]. What neither explains counts as supplied."""
 
     stored: Any = None
@@ -205,7 +207,7 @@ Contribution: TypeAlias = (
 
 
 @dataclass(frozen=True)
-class Parts:
+class Parts(metaclass=Tidy):
     """Composition of a composite block: blocks by name, links between (name, flange) pairs, and its own flanges."""
 
     blocks: Mapping[str, Any]

@@ -12,6 +12,7 @@ from typing import Any
 
 from gearblocks.errors import ModelError
 from gearblocks.language.expression import finite_number
+from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import declared, unit_of_entry
 
 
@@ -172,7 +173,7 @@ def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | N
 
 
 @dataclass(frozen=True, slots=True)
-class Flange:
+class Flange(metaclass=Tidy):
     """A rotating connection point, or a sliding one.
 
     ground: means the ground when nothing is connected; spare: may stay open; both: is the ground then, but a chain passes
@@ -191,7 +192,7 @@ class Flange:
 
 
 @dataclass(frozen=True, slots=True)
-class State:
+class State(metaclass=Tidy):
     """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when).
 
     accumulates: it adds up what passes, such as heat; a static equilibrium does not ask it to rest.

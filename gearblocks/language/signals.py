@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from gearblocks.errors import GearblocksError, ParameterError
 from gearblocks.language.expression import FUNCTIONS, Expr, as_expr, evaluate
 from gearblocks.language.numpy_calls import numpy_call
+from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import check_unit, in_unit, parse_unit
 
 time = Expr("time")  # time in s, for expressions
@@ -112,7 +113,7 @@ class _Leaf:
 
 
 @dataclass(frozen=True, slots=True)
-class Parameter(_Leaf):
+class Parameter(_Leaf, metaclass=Tidy):
     """One tunable value that may stand in any numeric field or expression of a train.
 
     name: how it is set; value: in `unit`, such as "N m/rad" or "rpm", and so are the values that a run gives it; a unit that
@@ -139,7 +140,7 @@ class Parameter(_Leaf):
 
 
 @dataclass(frozen=True, slots=True)
-class Input(_Leaf):
+class Input(_Leaf, metaclass=Tidy):
     """A value from outside: a number, Table or callable given to simulate, a variable of the FMU.
 
     start: its value as long as nothing is connected, in `unit`, in which a run gives its values too. Inputs of one name are
@@ -218,7 +219,7 @@ _FAR = 1e9  # of the reach of a table: where the lines of one that is extrapolat
 
 
 @dataclass(frozen=True, eq=False)
-class Table(_Leaf):
+class Table(_Leaf, metaclass=Tidy):
     """Points (x, y) joined by straight lines ("linear"), a spline ("cubic") or held from the left ("step").
 
     x: increasing, shape (n,), n >= 2; y: shape (n,). Over time where a signal is wanted; over twist or slip where a

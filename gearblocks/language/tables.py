@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from gearblocks.errors import ParameterError
 from gearblocks.language.expression import Expr, as_expr
 from gearblocks.language.signals import Table, check_increasing, points_in_si
+from gearblocks.language.tidy import Tidy
 
 Grid = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Table2:
+class Table2(metaclass=Tidy):
     """Points z over a grid of x and y, joined bilinearly ("linear") or by splines along both axes ("cubic").
 
     x, y: increasing, shapes (n,) and (m,), n, m >= 2; z: shape (n, m), z[i][j] at (x[i], y[j]). Outside, the value at

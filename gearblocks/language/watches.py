@@ -12,11 +12,12 @@ from typing import Any, final
 
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Table, constant_value
+from gearblocks.language.tidy import Tidy
 
 
 @final
 @dataclass(frozen=True, slots=True)
-class Watch:
+class Watch(metaclass=Tidy):
     """An output of a block that shows that an effect would act: its size exceeds `limit` [its unit], or, without one, its sign
     changes. words: what this means. unless: another output; where a train has it, this one tells nothing."""
 
@@ -40,7 +41,7 @@ def beyond(table: Any, output: str) -> Iterator[Watch]:
 
 @final
 @dataclass(frozen=True, slots=True)
-class Excitation:
+class Excitation(metaclass=Tidy):
     """What excites a train: order times the speed of a flange against another one (None: the ground), or a frequency
     [rad/s]."""
 

@@ -24,6 +24,7 @@ from typing import Any
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksError, log
+from gearblocks.language.tidy import Tidy
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
@@ -109,7 +110,7 @@ class Library:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Model:
+class Model(metaclass=Tidy):
     """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the
     train, where start values follow from Parameters, and how often each of those stands in it; tree: the composition, for
     drawings; left_out: effects that its runs watch. Pickles keep neither of these two."""

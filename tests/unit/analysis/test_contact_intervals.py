@@ -35,6 +35,9 @@ def test_shares_are_those_of_the_given_motion_though_nothing_was_sampled(run: gb
     # free from pi k - opens to pi k + opens: the shaft turns by 2 opens + (-1)^k sin(opens) there
     assert found.turn_share == pytest.approx(4 * opens / TURN, abs=1e-8)
     assert "of the revolutions; contact is made 6 times (2 in a period)" in repr(found)
+    assert gb.count("lash", "contact_made").of(run) == 6.0
+    assert gb.count(kind="contact_lost", before=TURN).of(run) == 2.0
+    assert gb.event_time("lash", "contact_lost", number=1).of(run) == pytest.approx(TURN - opens, abs=1e-8)
 
 
 def test_a_window_counts_what_lies_in_it(run: gb.Trajectory) -> None:
@@ -46,6 +49,23 @@ def test_a_window_counts_what_lies_in_it(run: gb.Trajectory) -> None:
     assert within.time_share == 0.0 and not len(within.closings) and within.turn_share is None
 
 
+def test_points_of_a_table_are_no_losses_of_contact_in_a_study() -> None:
+    rig, x = gb.Drivetrain("rattle"), np.linspace(0, 1, 9)
+    cycle = gb.Table(x, 0.1 * np.cos(2 * np.pi * x), periodic=True)
+    mesh = gb.GearMesh(teeth=(23, 41), module=3e-3, pressure_angle=0.35, external=True, k=2e8, damping_ratio=0.05,
+                       stiffness_variation=cycle, backlash=gb.Backlash(half_gap=5e-5))  # fmt: skip
+    shake = gb.Torque(tau=10 + gb.Parameter("shake", 30.0, "N m") * gb.sin(900 * gb.time))
+    pinion, wheel = gb.Inertia(J=1e-3, w0=100.0), gb.Inertia(J=5e-3, w0=-100 * 23 / 41)
+    rig.chain(rig.add("drive", shake), rig.add("pinion", pinion), rig.add("mesh", mesh), rig.add("wheel", wheel))
+    asked = [gb.count("mesh", kind) for kind in ("state", "contact_made", "contact_lost")]
+    study = gb.sweep(rig, {"shake": [0.0, 30.0]}, quantity=asked, t_end=0.02)
+    for shaken, (events, made, lost) in zip(study.points[:, 0], study.values, strict=True):
+        found = gb.contact_loss(gb.simulate(rig, t_end=0.02, parameters={"shake": shaken}), "mesh")
+        assert events > made + lost + 20 and made == len(found.closings)
+        assert abs(made - lost) <= 1
+    assert study.values[1, 2] > 5
+
+
 def test_impacts_of_a_rigid_stop_close_it(tmp_path: Path) -> None:
     rig = gb.Drivetrain("bounce")
     ball, wall = rig.add("ball", gb.Mass(m=1.0, s0=1.0)), rig.add("wall", gb.HardStop(lower=0.0, restitution=0.5))
@@ -54,6 +74,7 @@ def test_impacts_of_a_rigid_stop_close_it(tmp_path: Path) -> None:
     found = gb.contact_loss(run, "wall")
     fall = np.sqrt(2 / 9.81)
     assert found.closings == pytest.approx([fall, 2 * fall, 2.5 * fall], rel=1e-7) and found.time_share == 1.0
+    assert gb.count("wall", "contact_made").of(run) == 3.0 and gb.count("wall", "contact_lost").of(run) == 0.0
     run.save(tmp_path / "run.nc")
     assert gb.contact_loss(gb.Trajectory.load(tmp_path / "run.nc"), "wall").closings == pytest.approx(found.closings)
 

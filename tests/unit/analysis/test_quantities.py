@@ -88,7 +88,11 @@ def test_losses_within_a_stored_run_are_not_known(run: gb.Trajectory) -> None:
         (gb.peak("load.w", before=2.0), "before = 2 s must lie within the run"),
         (gb.at("load.w", 1.5), "the run goes from 0 to 1 s"),
         (gb.count("clutsch"), "'clutsch' has no events; clutch, tau has"),
-        (gb.count("clutch", "sudden"), "kind = 'sudden' must be one of state, time, impact"),
+        (gb.count("clutch", "contact_lost"), "'clutch' has no contact; nothing in this train has"),
+        (
+            gb.count("clutch", "sudden"),
+            "kind = 'sudden' must be one of state, time, impact, contact_made, contact_lost",
+        ),
         (gb.event_time("shaft"), "'shaft' has no events"),
         (gb.energy_lost("motor"), "'motor' has no losses"),
         (gb.points("load.w"), "needs a section"),
