@@ -185,8 +185,9 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     assembly.batches = list(batches.values())
     assembly.rows = coordinates.rows
     assembly.steady = _steady(assembly, laws)
-    _steady_first(assembly, coordinates.definitions.values())
-    rows: dict[int, Combination | PrescribedRow] = dict(coordinates.definitions)
+    definitions = coordinates.outward()
+    _steady_first(assembly, definitions.values())
+    rows: dict[int, Combination | PrescribedRow] = dict(definitions)
     rows |= {group: Combination() for group in assembly.force_unknowns}  # no angle
     for g, f in dependent_groups.items():
         if f.row is not None:

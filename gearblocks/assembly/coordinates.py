@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Collection, Container, Mapping
 
 from gearblocks.assembly.elimination import Combination, Elimination, Row
+from gearblocks.laws.rational import over
 from gearblocks.train.disjoint_sets import DisjointSets
 
 _ROUNDING = 1e-14  # of the sizes of what cancels
@@ -31,6 +32,7 @@ class Coordinates:
         self.given = given or {}
         self._first, self._last = first, last
         self.rows: list[Row] = []
+        self._forms: list[Combination] = []
         self._elimination = Elimination(_ROUNDING)
         self._met = DisjointSets[int]()  # groups that stand in one form, directly or through others
 
@@ -60,7 +62,39 @@ class Coordinates:
         minus_itself = Combination(base.groups, {number: -1, **base.coordinates}, base.offsets)
         self._elimination.solve(minus_itself, pivot)
         self.rows.append(dict(form.groups))
+        self._forms.append(form)
         return number
+
+    def outward(self) -> dict[int, Combination]:
+        """`definitions`, each by its own form alone: from the ground and from the groups that no form determines outwards, so
+        that no angle is a difference of coordinates that it does not depend on. `definitions` themselves where forms can only
+        be solved together, or where angles are prescribed."""
+        unknown = [self.definitions.keys() & form.groups.keys() for form in self._forms]
+        naming: dict[int, list[int]] = {}
+        for number, groups in enumerate(unknown):
+            for g in groups:
+                naming.setdefault(g, []).append(number)
+        found: dict[int, tuple[int, Combination]] = {}
+        ready = [number for number, groups in enumerate(unknown) if len(groups) == 1]
+        for number in ready:
+            if not unknown[number] or self.given:
+                return self.definitions
+            pivot = unknown[number].pop()
+            found[number] = pivot, self._solved(number, pivot)
+            for other in naming[pivot]:
+                unknown[other].discard(pivot)
+                if other not in found and len(unknown[other]) == 1:
+                    ready.append(other)
+        return dict(found[i] for i in sorted(found)) if len(found) == len(unknown) else self.definitions
+
+    def _solved(self, number: int, pivot: int) -> Combination:
+        """A group by the form of a coordinate."""
+        form, result = self._forms[number], Combination()
+        result.add(
+            Combination(form.groups, {number: -1, **form.coordinates}, form.offsets), over(-1, form.groups[pivot])
+        )
+        del result.groups[pivot]
+        return result
 
     def _rank(self, group: int) -> int:
         return 0 if group in self._first else 2 if group in self._last else 1

@@ -277,10 +277,30 @@ static int close_what_opens_for_nothing(gb_sim *sim) {
     return GB_DONE;
 }
 
+/* A body that lies at an open stop, unpressed, off it by no more than the rounding of their angles, has not left it:
+ * what strikes it finds both. Whether there is such a stop. */
+static int lies_at_a_stop(gb_sim *sim) {
+    int any = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const int gap = sim->model->constraints[i].slip;
+        if (gb_is_stop(sim, i) && !gb_touches(sim, i) &&
+            fabs(sim->constraints.slip[i]) <= sim->constraints.slip_rounding[i] &&
+            gb_is_noise(sim, gap, sim->events.s[gap], sim->instant.time_terms, sim->y, sim->y)) {
+            sim->events.armed[gap] = -1.0;
+            any = 1;
+        }
+    }
+    return any;
+}
+
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
     const double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
     int left = 0, any = 0, hit = find_hit(sim, 0, &left);
+    if (hit >= 0 && lies_at_a_stop(sim)) {
+        left = 0;
+        hit = find_hit(sim, 0, &left);
+    }
     for (int round = 0; hit >= 0; round++) {
         if (round == ROUNDS) {
             return gb_fail(sim, GB_ERR_CHATTER, model->constraints[hit].slip, sim->head->front.t1, 0.0);

@@ -131,10 +131,23 @@ class Impacts:
         for i, stop in enumerate(self.s.stops):
             touches = abs(float(stop.row @ q) - stop.bound) <= 1e-10 * max(1.0, abs(stop.bound))
             if t > 0 and self.left <= LEAVING and stop.mode == 1 and touches and abs(float(stop.row @ v)) <= small:
-                rates = self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]]
+                rates = self._rates_off(t, y, stop.row)
                 if float(stop.row @ rates) > 1e-9 * float(np.abs(stop.row) @ np.abs(rates)):
                     found.add(i)
         return found
+
+    def _rates_off(self, t: float, y: Array, row: Array) -> Array:
+        """Accelerations in which whatever sticks slips, the way that leaves a stop: who is held at it by friction is not
+        pulled away."""
+        push = self.s.Minv @ row
+        stuck = [d for d in self.s.dry if d.mode == 0 and not any(m.on and m.dog for m in d.members)]
+        for d in stuck:
+            way = float(d.row @ push)
+            d.mode = int(np.sign(way)) if abs(way) > 1e-12 * float(np.abs(d.row) @ np.abs(push)) else 0
+        rates = self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]]
+        for d in stuck:
+            d.mode = 0
+        return rates
 
     def closes(self, y: Array) -> bool:
         """Whether a body moves into a stop at which it is."""
