@@ -141,3 +141,34 @@ def test_a_stop_is_struck_though_the_body_is_pulled_away_from_it_before_the_firs
     motion = reference_motion(train, t)
     assert len(motion.jumps) == 1 and motion.jumps[0] == pytest.approx(at, rel=1e-6)
     assert motion.speeds[0, 1:] == pytest.approx(rebound + pull * (t[1:] - at), rel=1e-9)
+
+
+def _hammered(m, M, e, dry, load, v, gap):
+    """When a body at a stop, that a load pulls off it against friction, rests with the one that has come its way, by hand:
+    it leaves, is struck, is stopped, leaves again."""
+    t, off, on = 0.0, (load - dry) / m, (load + dry) / m
+    while v > 1e-11:
+        meets = 2 * gap / (v + math.sqrt(v * v + 2 * off * gap))
+        way, w = 0.5 * off * meets**2, -off * meets
+        common = (m * w + M * v) / (m + M)
+        w, v = common + M * e * (v - w) / (m + M), common - m * e * (v - w) / (m + M)
+        back = 2 * way / (w + math.sqrt(w * w - 2 * on * way))
+        t, gap = t + meets + back, way - v * back  # it is at its stop again, the other one that far off
+    return t
+
+
+@pytest.mark.parametrize(("m", "M", "e"), [(0.2, 0.868, 0.556), (0.5, 3.0, 0.3), (0.1, 0.4, 0.7)])
+@pytest.mark.parametrize(("dry", "load"), [(1.15, 20.0), (3.0, 5.0), (0.5, 90.0)])
+@pytest.mark.few(2)
+def test_what_friction_does_not_hold_at_its_stop_is_struck_off_it(m, M, e, dry, load):
+    gap, v, end = 1e-3, 2.0, 0.3
+    parts = (
+        _body("x", J=m),
+        _body("h", J=M, w0=v),
+        Part("stop", "HardStop", (("restitution", 0.0), ("upper", 0.0)), (("a", "x"), ("b", GROUND))),
+        Part("drag", "SpeedLoad", (("coeffs", (dry, 0.0, 0.0)),), (("flange", "x"),)),
+        Part("load", "Torque", (("tau", -load),), (("flange", "x"),)),
+    )
+    motion = reference_motion(_train(*parts, _hits("h", "x", e, gap), t_end=end), np.array([0.0, end]))
+    rests = _hammered(m, M, e, dry, load, v, gap)
+    assert motion.speeds[:, -1] == pytest.approx([-(load - dry) / (m + M) * (end - rests)] * 2, rel=1e-6)
