@@ -172,3 +172,18 @@ def test_what_friction_does_not_hold_at_its_stop_is_struck_off_it(m, M, e, dry, 
     motion = reference_motion(_train(*parts, _hits("h", "x", e, gap), t_end=end), np.array([0.0, end]))
     rests = _hammered(m, M, e, dry, load, v, gap)
     assert motion.speeds[:, -1] == pytest.approx([-(load - dry) / (m + M) * (end - rests)] * 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("e", [0.8, 0.4])
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("blocks", [("Freewheel", "Freewheel"), ("OneWayClutch", "Freewheel"), ("OneWayClutch",) * 2])
+def test_what_two_locks_hold_both_ways_is_a_wall(e, side, blocks):
+    locks = [
+        Part(
+            f"lock{i}", block, (("capacity", 0.0),) if block == "OneWayClutch" else (), (("a", ends[0]), ("b", ends[1]))
+        )
+        for i, (block, ends) in enumerate(zip(blocks, (("x", GROUND), (GROUND, "x")), strict=True))
+    ]
+    train = _train(_body("x", J=0.2), _body("h", w0=2.0 * side), *locks, _hits("h", "x", e), t_end=0.1)
+    motion = reference_motion(train, np.array([0.0, 0.07]))
+    assert motion.speeds[:, -1] == pytest.approx([0.0, -2.0 * e * side], abs=1e-9)

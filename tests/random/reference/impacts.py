@@ -80,11 +80,10 @@ class Impacts:
             if any(m.dog or m.locked for m in on):
                 both.append((d.row, 0.0))
                 hit = hit or abs(slip) > small
-            for m in on:
-                if m.one_way and m.scale * slip <= small:  # what is ahead is caught in the next round
-                    one.append((math.copysign(1.0, m.scale) * d.row, 0.0, -1))
-                    hit = hit or m.scale * slip < -small
-                    break
+            # what is ahead is caught in the next round; two that lock against each other hold both ways
+            locks_of = [m for m in on if m.one_way and m.scale * slip <= small]
+            hit = hit or any(m.scale * slip < -small for m in locks_of)
+            one += [(way * d.row, 0.0, -1) for way in {math.copysign(1.0, m.scale) for m in locks_of}]
         if not hit:
             return self._settled(t, y, 1e-15) if self.still > 1 else y
         self.left += bool(leaving)
