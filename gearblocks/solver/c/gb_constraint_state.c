@@ -27,6 +27,18 @@ int gb_touches(const gb_sim *sim, int i) {
            sim->events.armed[constraint->slip] == -1.0 || sim->events.s[constraint->slip] <= 0.0;
 }
 
+int gb_passes_a_stop(const gb_sim *sim, double unit) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const int gap = sim->model->constraints[i].slip;
+        const int moves = fabs(sim->constraints.slip[i]) > sim->constraints.slip_rounding[i];
+        if (gb_is_stop(sim, i) && !gb_is_active(sim, i) && moves &&
+            sim->events.s[gap] < -unit * sim->events.located[gap]) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 int gb_is_engaged(const gb_sim *sim, int i) {
     const gb_constraint *constraint = &sim->model->constraints[i];
     if (constraint->kind != GB_FRICTION) {

@@ -30,6 +30,10 @@ static inline int gb_some_active(const gb_sim *sim) {
 /* The gap of a stop is closed: it has just been met, or has no width. */
 int gb_touches(const gb_sim *sim, int i);
 
+/* What moves at an open stop has gone beyond it in a look ahead, by more than `unit` of the sizes of the gap: so far
+ * ahead the modes of now tell nothing. */
+int gb_passes_a_stop(const gb_sim *sim, double unit);
+
 /* It can transmit a force at all. */
 int gb_is_engaged(const gb_sim *sim, int i);
 

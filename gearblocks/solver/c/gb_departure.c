@@ -23,10 +23,6 @@ static const double MARKED = 1.0, STAYS = 2.0, LEAVES = 3.0;
 /* Scratch rows, behind the stages that dense output may still ask for. */
 enum { STATE = GB_STAGES - 4, RATE };
 
-static double *row(const gb_sim *sim, int number) {
-    return sim->k + (size_t)number * (size_t)sim->model->n_total;
-}
-
 /* The side of the limit on which event function i stands: -1 lower, 1 upper, else 0. */
 static double stands_on(const gb_sim *sim, int i) {
     const double s = sim->events.s[i], lo = sim->events.lo[i], hi = sim->events.hi[i];
@@ -66,8 +62,8 @@ static int mark(gb_sim *sim) {
     if (gb_time_terms_at(sim, sim->head->front.t1) != GB_DONE) {
         return 0;
     }
-    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, row(sim, RATE));
-    model->directions(sim->par, row(sim, RATE), sim->events.slopes);
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, gb_scratch_row(sim, RATE));
+    model->directions(sim->par, gb_scratch_row(sim, RATE), sim->events.slopes);
     for (int i = 0; i < model->n_affine; i++) {
         const int moves = sim->events.held_side[i] == 0.0 && sim->events.slopes[i] != 0.0;
         count -= moves && sim->events.side[i] != 0.0;
@@ -78,9 +74,9 @@ static int mark(gb_sim *sim) {
 
 /* The motion so far ahead, and the event functions there. */
 static int follow(gb_sim *sim, double time, int steps, double *s) {
-    const int code = gb_follow(sim, time, steps, row(sim, STATE));
+    const int code = gb_follow(sim, time, steps, gb_scratch_row(sim, STATE));
     if (code == GB_DONE) {
-        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, row(sim, STATE), s);
+        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, gb_scratch_row(sim, STATE), s);
     }
     return code;
 }
@@ -88,7 +84,7 @@ static int follow(gb_sim *sim, double time, int steps, double *s) {
 /* sum |ds/dy_j| |y_j| of all event functions at the state that was followed, where they are events.s, into `located`.
  */
 static void sizes(gb_sim *sim) {
-    double *state = row(sim, STATE), *moved = sim->events.moved, *size = sim->events.located;
+    double *state = gb_scratch_row(sim, STATE), *moved = sim->events.moved, *size = sim->events.located;
     memset(size, 0, sizeof(double) * (size_t)sim->model->n_event_functions);
     for (int j = 0; j < sim->model->n; j++) {
         const double kept = state[j], change = 1e-6 * gb_max(fabs(kept), fabs(sim->y[j]));
@@ -120,8 +116,12 @@ static int look(gb_sim *sim, double time, int *left) {
         if (code == GB_DONE) {
             sizes(sim);
         }
+        if (code != GB_DONE || gb_passes_a_stop(sim, unit)) {
+            *left = 0;
+            return code;
+        }
         doubt = *left = 0;
-        for (int i = 0; i < sim->model->n_event_functions && code == GB_DONE; i++) {
+        for (int i = 0; i < sim->model->n_event_functions; i++) {
             if (fabs(sim->events.side[i]) != MARKED) {
                 continue;
             }

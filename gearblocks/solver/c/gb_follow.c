@@ -5,10 +5,6 @@
 /* Scratch rows, behind the stages that dense output may still ask for. */
 enum { STAGE = GB_STAGES - 3, RATE, SUM };
 
-static double *row(const gb_sim *sim, int number) {
-    return sim->k + (size_t)number * (size_t)sim->model->n_total;
-}
-
 /* rate = f(t, y) */
 static int rates(gb_sim *sim, double t, const double *y, double *rate) {
     const int code = gb_time_terms_at(sim, t);
@@ -23,7 +19,7 @@ int gb_follow(gb_sim *sim, double time, int steps, double *state) {
     static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
     const int n = sim->model->n;
     const double h = time / steps, t = sim->head->front.t1;
-    double *stage = row(sim, STAGE), *rate = row(sim, RATE), *sum = row(sim, SUM);
+    double *stage = gb_scratch_row(sim, STAGE), *rate = gb_scratch_row(sim, RATE), *sum = gb_scratch_row(sim, SUM);
     int code = GB_DONE;
     memcpy(state, sim->y, sizeof(double) * (size_t)sim->model->n_total);
     memcpy(stage, state, sizeof(double) * (size_t)sim->model->n_total);

@@ -7,6 +7,11 @@
 
 #include "gb_internal.h"
 
+/* A row of the size of a state where stages are kept. */
+static inline double *gb_scratch_row(const gb_sim *sim, int number) {
+    return sim->k + (size_t)number * (size_t)sim->model->n_total;
+}
+
 /* The state after `time` in so many steps, from the front; `instant` holds its time terms afterwards. */
 int gb_follow(gb_sim *sim, double time, int steps, double *state);
 
