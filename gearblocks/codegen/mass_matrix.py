@@ -32,7 +32,9 @@ def lay_out_mass(g: Generator, at: int) -> int:
             dependent.value += [float(c) for c in f.row.groups.values()]
         else:
             assert f.prescribed is not None
-            gains = laws[f.prescribed.component].prescribed[f.prescribed.number].gains
+            motion = laws[f.prescribed.component].prescribed[f.prescribed.number]
+            dependent.driven |= motion.velocity_bias != 0
+            gains = motion.gains
             for flange, (group, factor) in f.prescribed.factors.items():
                 if gains[flange].is_number:
                     dependent.value.append(float(gains[flange]) * float(factor))

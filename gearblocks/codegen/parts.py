@@ -52,6 +52,7 @@ class SwitchedConstraints:
     speeds: list[int] = field(default_factory=list)
     dynamic: bool = False
     prescribed: bool = False
+    driven: bool = False
     lossy: bool = False
     matrix0: int = 0
     pattern: Pattern | None = None
@@ -166,6 +167,7 @@ class DependentGroups:
     products: list[tuple[int, int, int, int]] = field(default_factory=list)
     pattern: Pattern = field(default_factory=lambda: eliminate(0, ()))
     dynamic: bool = False
+    driven: bool = False  # time moves some of them, whatever the others do
     n_entries: int = 0
     calls: dict[int, Call] = field(default_factory=dict)
     supplied: list[int] = field(default_factory=list)

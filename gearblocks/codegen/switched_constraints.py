@@ -41,6 +41,7 @@ def lay_out_switched_constraints(g: Generator, at: int) -> int:
     constraints.lossy = any(x.law.share is not None for x in constraints.members)
     constraints.dynamic = g.dependent is not None and g.dependent.dynamic
     constraints.prescribed = g.dependent is not None and g.dependent.prescribed
+    constraints.driven = g.dependent is not None and g.dependent.driven
     constraints.rows = [_over_speeds(g, x.row) for x in constraints.members]
     reached = sorted({speed for row in constraints.rows for speed in row})
     place = {speed: i for i, speed in enumerate(reached)}

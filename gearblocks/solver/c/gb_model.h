@@ -186,6 +186,7 @@ typedef struct gb_model {
      * these, and by how much they exceed their bounds. slip_switches: segments of tables over abs(slip). */
     int n_constraints, n_active_set;
     int constant_rows; /* they do not change with the position, and time moves none of them */
+    int driven_rows;   /* time moves some of them: what they hold need not be at rest */
     int n_slip_switches;
     const int *slip_switches;
     const gb_constraint *constraints;

@@ -47,7 +47,7 @@ void gb_hold_speeds(gb_sim *sim) {
         double *row = sim->constraints.row + (size_t)j * (size_t)model->n_speeds;
         model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 0, row);
     }
-    for (int again = model->constant_rows; again;) {
+    for (int again = !model->driven_rows; again;) {
         again = 0;
         for (int j = 0; j < n; j++) {
             const int only = last_speed(sim, j, diag);
