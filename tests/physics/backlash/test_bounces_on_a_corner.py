@@ -53,7 +53,7 @@ def test_it_bounces_and_comes_to_rest(law, bound):
         assert (run["body.w"][-1], run["stop.contact"][-1]) == (0.0, -1.0)
 
 
-# start speeds [rad/s], phase [rad], tolerance: of 300 at random those in which flips at the corner were looked at from too far ahead
+# start speeds [rad/s], phase [rad], tolerance: of 300 at random, where flips at the corner were looked at from too far ahead
 SHORT = [
     (-4.14, 0.765, 0.0, 1e-6),
     (4.699254132161325, 0.5209078996923999, 0.6951936748246219, 4.391450937933623e-08),

@@ -1,4 +1,4 @@
-"""What a brake holds through a ratio that varies is at rest, and all behind it: not a rounding of it moves in implicit steps."""
+"""What a brake holds through a ratio that varies is at rest, and all behind it: nothing of it moves in implicit steps."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_nothing_moves_until_the_brake_gives_way(pair, rtol):
     run = gb.simulate(_rig(pair), t_end=0.6, method="rodas", rtol=rtol)
     right = gb.simulate(_rig(pair), t_end=0.6, method="dp8", rtol=1e-11)
     gives_way = next(e.t for e in right.events if e.component == "brake")
-    assert [e.t for e in run.events if e.component == "brake"][0] == pytest.approx(gives_way, rel=20 * rtol)
+    assert next(e.t for e in run.events if e.component == "brake") == pytest.approx(gives_way, rel=20 * rtol)
     assert 0.1 < gives_way < 0.6
     before = run.t < 0.99 * gives_way
     for name in ("held", "far", "behind", "last"):
