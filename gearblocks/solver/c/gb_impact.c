@@ -312,5 +312,8 @@ int gb_impact(gb_sim *sim) {
         hit = find_hit(sim, round + 1, &left);
         any = 1;
     }
+    if (any) { /* what comes is another motion: no step of it has been looked into */
+        sim->head->control.h_trusted = 0.0;
+    }
     return any ? close_what_opens_for_nothing(sim) : GB_DONE;
 }
