@@ -8,7 +8,7 @@ Free rotations are known from the structure (B N = 0 and no torque that answers)
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
@@ -52,7 +52,8 @@ class Modes(metaclass=Tidy):
     over a cycle, rows sum to 1; 0 where the mode stores none). An element whose energy is driven by inputs or steps
     keeps no account of it and does not appear. decays: rates of motions that neither swing nor stay [1/s].
     free: number of free rotations, known from the structure; bound: the largest eigenvalue that rounding gave in their
-    place [rad/s], the measure of what 0 means here.
+    place [rad/s], the measure of what 0 means here. angles: the absolute angles [rad] that laws read, by name; tied:
+    rotations that these laws answer, such as a stiffness driven by the angle: they are among the first modes or the decays.
     """
 
     name: str
@@ -67,6 +68,8 @@ class Modes(metaclass=Tidy):
     decays: Array
     free: int
     bound: float
+    angles: Mapping[str, float] = field(default_factory=dict)
+    tied: int = 0
 
     @property
     def hertz(self) -> Array:
@@ -94,7 +97,15 @@ class Modes(metaclass=Tidy):
     def _words(self) -> tuple[str, list[str]]:
         """What stands above and below the rows."""
         decays = f"decays without swinging: {', '.join(f'{x:.4g}' for x in self.decays[:8])} 1/s"
-        return f"{self.name}: {len(self)} modes, {self.free} of them free rotation", [decays] * (len(self.decays) > 0)
+        notes = [decays] * (len(self.decays) > 0)
+        if self.angles:
+            at = ", ".join(f"{name} = {value:.6g} rad" for name, value in list(self.angles.items())[:4])
+            held = "1 rotation is" if self.tied == 1 else f"{self.tied} rotations are"
+            slow = (
+                f"; {held} not free, because the laws change as it goes on (slow modes or decays)" if self.tied else ""
+            )
+            notes.append(f"laws over the angle, as of a mesh cycle, are those at {at}{slow}")
+        return f"{self.name}: {len(self)} modes, {self.free} of them free rotation", notes
 
     def _repr_html_(self) -> str:
         (head, *rows), (title, notes) = self._rows(), self._words()
@@ -132,7 +143,9 @@ def modes(
     at: "static" (the equilibrium with every excitation at its mean, contact side from the load), "static_at_start" (under
     everything as it is at t), None (the start values), a dict of start values, an earlier run (its end), "rolling".
     count: only so many of the lowest beside the free rotations (default: all; 20 beyond 1000 states, where a sparse solver
-    finds them). What depends on absolute angles, such as a stiffness driven by the angle, stays at its present angle.
+    finds them). Laws over absolute angles, such as a stiffness driven by the angle, are taken with their slope at the present
+    angle, which the table names; a rotation that changes them is not free: it swings slowly about a trough of the mesh
+    cycle, or creeps off a crest. Frequencies move with that angle: at={"motor.phi": ...} asks for another one.
     """
     model = build(train)
     with operating_point(model, at, t, parameters) as point:
@@ -162,9 +175,11 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
     damping = np.divide(-values.real, sizes, out=np.zeros(len(values)), where=sizes > 0)
     bodies, shapes = _shapes(point, kin, vectors)
     kinetic, elements, strain = _energies(point, kin, vectors, bodies)
+    read = kin.angles.tolist() if _angle_is_state(point, kin) else []
+    angles = {point.program.states[i].name: float(point.y[i]) for i in read}
     return Modes(
         point.program.name, sizes, damping, values, bodies, shapes, kinetic, elements, strain, decays, free.shape[1],
-        bound,
+        bound, angles, kin.N.shape[1] - free.shape[1] if angles else 0,
     )  # fmt: skip
 
 

@@ -230,3 +230,24 @@ def test_a_node_without_inertia_between_two_shafts_puts_them_in_series(c):
     assert len(swing.decays) == (0 if c is None else 1)
     roots = np.roots([J * (c or 0.0), J * 4 * k, k * (c or 0.0), 3 * k**2])  # J s^2 (4 k + c s) + k (3 k + c s)
     assert np.abs(swing.eigenvalues[0] - roots).min() < 1e-9 * swing.frequencies[0]
+
+
+def test_a_stiffness_over_the_angle_is_that_at_an_angle_which_the_table_names():
+    J, k, radii = (1e-3, 5e-3), 2e8, (0.03, 0.03 * 41 / 23)
+    wave = gb.Fourier(sin=(0.2,))
+    mesh = gb.GearMesh(teeth=(23, 41), r_base=radii, external=True, k=k, stiffness_variation=wave)
+    rig = gb.Drivetrain("pair")
+    pinion, wheel = (rig.add(n, gb.Inertia(J=j)) for n, j in zip(("pinion", "wheel"), J, strict=True))
+    rig.chain(pinion, rig.add("mesh", mesh), wheel)
+    gains = sum(r**2 / j for r, j in zip(radii, J, strict=True))
+    for angle in (0.0, 0.05):
+        found = gb.modes(rig, at={"pinion.phi": angle, "wheel.phi": -angle * 23 / 41})  # without load: a free rotation
+        assert found.free == 1 and found.tied == 0
+        assert found.frequencies[1] == pytest.approx(np.sqrt(k * (1 + 0.2 * np.sin(23 * angle)) * gains), rel=1e-7)
+        assert found.angles == pytest.approx({"pinion.phi": angle})
+        assert f"laws over the angle, as of a mesh cycle, are those at pinion.phi = {angle:.6g} rad" in str(found)
+    rig.connect(rig.add("drive", gb.Torque(tau=20.0)).flange, pinion.a)
+    rig.connect(rig.add("load", gb.Torque(tau=20.0 * 41 / 23)).flange, wheel.b)
+    loaded = gb.modes(rig)  # k'(phi) g^2/2 turns the pair
+    assert loaded.free == 0 and loaded.tied == 1 and "; 1 rotation is not free" in str(loaded)
+    assert gb.modes(_pair()).angles == {}
