@@ -6,7 +6,7 @@ continued smoothly past g = 0. Knows nothing of when a mode changes: the solver 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -155,16 +155,12 @@ class Freezer:
         What holds elsewhere has the factor (1 - m)^2 in place of 1 - m, which sympy would multiply out: a small value beside
         200 - 200 m keeps no digit below those of 200.
         """
-        result: Any = None
-        for value, condition in reversed(e.args):
-            if condition is sp.true:
-                result = self.freeze(value)
-                continue
-            if result is None:
-                raise GearblocksError(f"'{e}' has no value where no condition holds: end it with (value, True)")
-            chosen = self.freeze(condition)
-            result = chosen * self.freeze(value) + (1 - chosen) ** 2 * result
-        return result
+        *cases, (elsewhere, last) = e.args
+        if last is not sp.true:
+            raise GearblocksError(f"'{e}' has no value where no condition holds: end it with (value, True)")
+        elsewhere = self.freeze(elsewhere)
+        frozen = [(self.freeze(condition), self.freeze(value)) for value, condition in reversed(cases)]
+        return _selected(frozen[::-1], elsewhere)
 
     def _indicator(self, surface: Any, name: str | None = None) -> Any:
         """1 where surface >= 0, else 0, as the mode symbol of a switch (or a plain condition on constants)."""
@@ -269,3 +265,18 @@ class Freezer:
         switch = EventFunction(name, surface, self.pool.symbol("mode", mode, f"mode{mode.number}"), level, table=table)
         self.switches.append(switch)
         return switch
+
+
+_IN_A_ROW = 16
+"""Cases that are nested one inside the other; halves of longer rows stand side by side, or sympy would go too deep."""
+
+
+def _selected(cases: Sequence[tuple[Any, Any]], elsewhere: Any) -> Any:
+    """The value of the first case whose indicator is 1."""
+    if len(cases) > _IN_A_ROW:
+        half = len(cases) // 2
+        none = sp.Mul(*((1 - chosen) ** 2 for chosen, _ in cases[:half]))
+        return _selected(cases[:half], sp.Integer(0)) + none * _selected(cases[half:], elsewhere)
+    for chosen, value in reversed(cases):
+        elsewhere = chosen * value + (1 - chosen) ** 2 * elsewhere
+    return elsewhere
