@@ -253,22 +253,22 @@ static int strike(gb_sim *sim) {
 }
 
 /* What an impact elsewhere opens for nothing stays closed: the bodies share their momentum, as they do in a flight that
- * ends at once. No event. */
-static int close_what_opens_for_nothing(gb_sim *sim) {
+ * ends at once. No event. any: whether there was such a contact; what it drives back is struck again. */
+static int close_what_opens_for_nothing(gb_sim *sim, int *any) {
     double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi;
-    int any = 0;
+    *any = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         sim->constraints.in[i] = takes_impulse(sim, i, 1, &lo[i], &hi[i], &b[i]);
         if (gb_is_stop(sim, i) && sim->constraints.slip[i] > sim->constraints.slip_rounding[i] && gb_touches(sim, i) &&
             gb_opens_for_nothing(sim, i)) {
-            sim->constraints.in[i] = any = 1;
+            sim->constraints.in[i] = *any = 1;
             lo[i] = -HUGE_VAL;
             hi[i] = HUGE_VAL;
             b[i] = sim->constraints.slip[i];
         }
     }
-    if (!any || strike(sim) != GB_DONE) {
-        return any ? sim->head->report.code : GB_DONE;
+    if (!*any || strike(sim) != GB_DONE) {
+        return *any ? sim->head->report.code : GB_DONE;
     }
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const double mean = 0.5 * (sim->constraints.free_acceleration[i] + sim->constraints.slip[i]);
@@ -296,24 +296,26 @@ static int lies_at_a_stop(gb_sim *sim) {
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
     const double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
-    int left = 0, any = 0, hit = find_hit(sim, 0, &left);
+    int left = 0, hit = find_hit(sim, 0, &left);
     if (hit >= 0 && lies_at_a_stop(sim)) {
         left = 0;
         hit = find_hit(sim, 0, &left);
     }
     for (int round = 0; hit >= 0; round++) {
+        int closed = 0;
         if (round == ROUNDS) {
             return gb_fail(sim, GB_ERR_CHATTER, model->constraints[hit].slip, sim->head->front.t1, 0.0);
         }
+        sim->head->control.h_trusted = 0.0; /* what comes is another motion: no step of it has been looked into */
         if (strike(sim) != GB_DONE) {
             return sim->head->report.code;
         }
         note_round(sim, impulse, before);
         hit = find_hit(sim, round + 1, &left);
-        any = 1;
+        if (hit < 0 && close_what_opens_for_nothing(sim, &closed) != GB_DONE) {
+            return sim->head->report.code;
+        }
+        hit = closed ? find_hit(sim, round + 1, &left) : hit;
     }
-    if (any) { /* what comes is another motion: no step of it has been looked into */
-        sim->head->control.h_trusted = 0.0;
-    }
-    return any ? close_what_opens_for_nothing(sim) : GB_DONE;
+    return GB_DONE;
 }
