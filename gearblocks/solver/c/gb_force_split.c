@@ -2,6 +2,8 @@
 
 /* Most combinations of sides that are looked at for a split. */
 enum { GB_SPLITS = 625 };
+/* Most loads that are tried in search of the largest. */
+enum { GB_ROUNDS = 10 };
 
 /* A split with lossy gears along their sides forward and backward, two numbers each. is_own: the motion tells it.
  * associated: one within the bounds, those of these sides among them, wherever there is one. */
@@ -169,11 +171,61 @@ void gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bou
     gb_split_of_any_sides(problem, is_own, b, bounds, force, NULL, HUGE_VAL, force);
 }
 
+/* What the split of the load times `scale` leaves, < 0: there is one. x: room. */
+static double gb_split_left_of(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
+                               const double *force, double scale, double *x) {
+    const int n = problem->A.n;
+    double load[n + 1], given[n + 1];
+    for (int i = 0; i < n; i++) {
+        load[i] = scale * b[i];
+        given[i] = scale * force[i];
+    }
+    gb_split_by_sides(problem, is_own, load, bounds, given, x);
+    return gb_split_left(problem, is_own, load, bounds, given, x);
+}
+
+/* Room of a split that fits: by how much the load, as slip acceleration, may grow until none does. What a split leaves
+ * is nothing all the way to its limit and tells no search how close that is. Over the factor of the load it is convex
+ * and straight in pieces, so that secants from outside end on the limit. */
+static double gb_split_room(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
+                            const double *force, double *x) {
+    const int n = problem->A.n;
+    double load = 0.0, most = 0.0, inside = 1.0, far = 0.0, far_left = 0.0;
+    for (int i = 0; i < n; i++) {
+        const int counts = problem->in[i] && !is_own[i];
+        const double upper = fabs(bounds->upper[i]);
+        load = counts ? fmax(load, fabs(b[i])) : load;
+        most += counts && upper < HUGE_VAL ? fabs(gb_delassus_diagonal(&problem->A, i)) * upper : 0.0;
+    }
+    double outside = 2.0 + 2.0 * most / load;
+    if (!(load > 1e-3 * most)) {
+        return most;
+    }
+    double left = gb_split_left_of(problem, is_own, b, bounds, force, outside, x);
+    for (int round = 0; round < GB_ROUNDS && left > 0.0 && outside > inside; round++) {
+        const double secant = outside - left * (far - outside) / (far_left - left);
+        const double next = far > outside && secant > inside && secant < outside ? secant : 0.5 * (inside + outside);
+        const double now = gb_split_left_of(problem, is_own, b, bounds, force, next, x);
+        if (now <= 0.0) {
+            inside = next;
+        } else {
+            far = outside;
+            far_left = left;
+            outside = next;
+            left = now;
+        }
+        if (now <= 0.0 && next == secant) { /* on the limit but for rounding */
+            break;
+        }
+    }
+    return load * (inside - 1.0);
+}
+
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
               double *force, double *violation) {
     const int n = W->n;
     const gb_lcp problem = {*W, is_active, NULL, a->room, 0};
-    double b[n + 1], x[n + 1], ignored = 0.0;
+    double b[n + 1], x[n + 1], other[n + 1], ignored = 0.0;
     int is_own[n + 1];
     for (int i = 0; i < n; i++) {
         is_own[i] = a->redundant[i] == 0.0;
@@ -183,6 +235,9 @@ void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, cons
     double left = gb_split_left(&problem, is_own, b, bounds, force, x);
     if (left > 0.0 && bounds->tie_of) {
         left = gb_split_of_any_sides(&problem, is_own, b, bounds, force, force, left, x);
+    }
+    if (!(left > 0.0) && !bounds->tie_of) { /* gears at rest admit loads that are no convex set */
+        left = fmin(left, -gb_split_room(&problem, is_own, b, bounds, force, other));
     }
     for (int i = 0; i < n; i++) {
         force[i] = is_active[i] ? x[i] : force[i];

@@ -21,7 +21,7 @@ static inline int gb_split_is_loss(const gb_force_bounds *bounds, int i) {
 }
 
 /* The split of the active constraints, into `force`; `violation`: of each of them by how much no split is within its
- * bounds. */
+ * bounds, < 0: by how much the load may grow, both as slip acceleration. */
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
               double *force, double *violation);
 

@@ -59,7 +59,7 @@ static int depends(gb_sim *sim, int i, double below, double above, double larges
         const double mean = sim->constraints.peak[constraint], *bounds = sim->constraints.bounds + 5 * constraint;
         return gb_max(below, gb_max(mean - bounds[1], bounds[0] - mean)) > SAME * largest;
     }
-    return sim->events.role[i] != GB_ORDINARY || gb_slides(sim, i) ||
+    return sim->events.role[i] == GB_CONSTRAINED || gb_slides(sim, i) ||
            model->mode_at(sim->par, i, below) != sim->mode[i] || model->mode_at(sim->par, i, above) != sim->mode[i];
 }
 
