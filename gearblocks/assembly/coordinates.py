@@ -69,6 +69,8 @@ class Coordinates:
         """`definitions`, each by its own form alone: from the ground and from the groups that no form determines outwards, so
         that no angle is a difference of coordinates that it does not depend on. `definitions` themselves where forms can only
         be solved together, or where angles are prescribed."""
+        if self.given:
+            return self.definitions
         unknown = [self.definitions.keys() & form.groups.keys() for form in self._forms]
         naming: dict[int, list[int]] = {}
         for number, groups in enumerate(unknown):
@@ -77,7 +79,7 @@ class Coordinates:
         found: dict[int, tuple[int, Combination]] = {}
         ready = [number for number, groups in enumerate(unknown) if len(groups) == 1]
         for number in ready:
-            if not unknown[number] or self.given:
+            if not unknown[number]:
                 return self.definitions
             pivot = unknown[number].pop()
             found[number] = pivot, self._solved(number, pivot)
