@@ -21,7 +21,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_tolerance",
     ),
     ("gb_limit_noise", "gb_constraint_forces"),
-    ("gb_noise",),
+    ("gb_noise", "gb_flight"),
     (
         "gb_error_control",
         "gb_evaluate",

@@ -3,6 +3,7 @@
 #include "gb_constraint_state.h"
 #include "gb_constraints.h"
 #include "gb_evaluate.h"
+#include "gb_flight.h"
 #include "gb_follow.h"
 #include "gb_impact.h"
 #include "gb_loss.h"
@@ -177,8 +178,7 @@ static void look_back(gb_sim *sim) {
                              sim->constraints.force);
 }
 
-/* A capacity that comes down to zero at a corner and stays there crosses nothing: its constraint is free all the same.
- */
+/* A capacity that comes to zero at a corner and stays there crosses nothing: its constraint is free all the same. */
 static void free_the_disengaged(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const int free = sim->model->constraints[i].free;

@@ -1,86 +1,12 @@
 #include "gb_impact.h"
 #include "gb_constraint_state.h"
+#include "gb_flight.h"
 #include "gb_limit_noise.h"
-#include "gb_modes.h"
 #include "gb_report.h"
-#include "gb_tolerance.h"
 #include "gb_vector.h"
 
 /* Rounds of an impact; and those in which a stop was left out because it is being left, before they have no end. */
 enum { ROUNDS = 10000, LEAVING_ROUNDS = 32 };
-
-/* Squares of restitutions beyond which impacts do not end a cascade by themselves. */
-static const double MOST_KEPT = 0.999;
-
-/* Impacts on a stop from which on they are low where their energy is. */
-static const double MANY = 1e5;
-
-/* A flight of such a duration and height cannot be told from rest: its end lies within the rounding of time, or is
- * located no better than the rounding of the gap and would give back the speed that the impact took. Where the search
- * told the gap less finely, each flight ends as much lower, and impacts that lose little keep what that gives. */
-static int is_nothing(gb_sim *sim, int i, double duration, double height, double restitution) {
-    const gb_head *head = sim->head;
-    const int gap = sim->model->constraints[i].slip;
-    const double kept = gb_min(restitution * restitution, MOST_KEPT), noise = sim->panel.noise[gap];
-    return duration <= 64.0 * gb_rounding(head->front.t1, head->front.h) || height <= 2.0 * noise / (1.0 - kept) ||
-           gb_is_noise(sim, gap, height, sim->instant.time_terms, sim->y, sim->y);
-}
-
-/* Flights from a stop that takes next to nothing have no end where the motion between them loses energy, or the load
- * grows: they become lower and as many more. Such a speed and height are less than what the tolerance admits of both
- * sides of the stop: the run cannot tell them from rest, nor in which of the flights it is. After N of them it cannot
- * tell the latter of N times that speed either, and takes rest where their energy is less than the tolerance too. */
-static int cannot_be_told(gb_sim *sim, int i, double speed, double height, double restitution) {
-    const double impacts = sim->constraints.impacts[i], slow = gb_min(impacts, 1.0 / sqrt(sim->head->options.rtol));
-    return restitution * restitution > MOST_KEPT &&
-           speed <= (impacts < MANY ? 1.0 : slow) * gb_tolerance_of_slip(sim, i) &&
-           height <= gb_tolerance_of(sim, sim->model->constraints[i].slip);
-}
-
-/* The restitution of stop i. It comes to rest where what presses it brings it back from nothing but such a flight; how
- * long the last flight was does not tell, it may have been the first or have ended at a body that came its way. */
-static double restitution(gb_sim *sim, int i) {
-    const gb_model *model = sim->model;
-    const double given = sim->constraints.bounds[5 * i + 2], speed = given * fabs(sim->constraints.slip[i]);
-    double *rate = sim->constraints.free_acceleration;
-    if (!(given > 0.0)) {
-        return given;
-    }
-    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
-    sim->head->counts.rhs_calls++;
-    model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2, rate);
-    const double push = -rate[i], height = 0.5 * speed * speed / push;
-    const int rests = push > 0.0 && (is_nothing(sim, i, 2.0 * speed / push, height, given) ||
-                                     cannot_be_told(sim, i, speed, height, given));
-    return rests ? 0.0 : given;
-}
-
-int gb_opens_for_nothing(gb_sim *sim, int i) {
-    const gb_delassus W = gb_delassus_of(sim);
-    const double slip = sim->constraints.slip[i], push = sim->constraints.force_before[i] * gb_delassus_diagonal(&W, i);
-    return gb_is_active(sim, i) && push > 0.0 &&
-           is_nothing(sim, i, 2.0 * slip / push, 0.5 * slip * slip / push, sim->constraints.bounds[5 * i + 2]);
-}
-
-/* A body at stop i, at rest and open, is pulled away from it: whatever strikes the body an instant later finds it
- * apart, and drives it back onto the stop in an impact of its own. Where a run begins nothing has been left. */
-static int is_being_left(gb_sim *sim, int i) {
-    const gb_model *model = sim->model;
-    const double slip = sim->constraints.slip[i];
-    double *rate = sim->constraints.free_acceleration, largest = 0.0;
-    if (!gb_is_stop(sim, i) || gb_is_active(sim, i) || fabs(slip) > sim->constraints.slip_rounding[i] ||
-        (sim->events.pending[model->constraints[i].slip] != 0.0 && !sim->constraints.struck[i]) ||
-        !(sim->head->front.t1 > sim->head->front.t_start)) {
-        return 0;
-    }
-    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2);
-    sim->head->counts.rhs_calls++;
-    model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->z2, rate);
-    for (int j = model->n - model->n_speeds; j < model->n; j++) {
-        largest = gb_max(largest, fabs(sim->z2[j]));
-    }
-    return rate[i] > 1e-9 * largest * sim->constraints.row_size[i];
-}
 
 /* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. What opens just now does
  * not close: an impulse along it would do work on what leaves (lambda v- > 0) and give a train energy from nowhere.
@@ -99,7 +25,7 @@ static int takes_impulse(gb_sim *sim, int i, int endless, double *lo, double *hi
     }
     if (gb_is_stop(sim, i)) {
         const int strikes = slip < -sim->constraints.slip_rounding[i] && !endless;
-        *undo = strikes ? slip * (1.0 + restitution(sim, i)) : slip;
+        *undo = strikes ? slip * (1.0 + gb_restitution(sim, i)) : slip;
         return gb_touches(sim, i);
     }
     return 1;
@@ -173,7 +99,7 @@ static void note_round(gb_sim *sim, const double *impulse, const double *before)
         }
         const double earlier = sim->constraints.struck[i] ? sim->constraints.slip_before[i] : 0.0;
         sim->constraints.slip_before[i] = gb_max(earlier, fabs(before[i]));
-        sim->constraints.struck[i] = 1;
+        sim->constraints.struck[i] = fabs(sim->constraints.slip[i]) <= rounding ? GB_STRUCK_TO_REST : GB_STRUCK;
     }
 }
 
@@ -181,7 +107,7 @@ static void note_round(gb_sim *sim, const double *impulse, const double *before)
 static void leave_out(gb_sim *sim, int *left) {
     int any = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
-        if (sim->constraints.in[i] && is_being_left(sim, i)) {
+        if (sim->constraints.in[i] && gb_is_being_left(sim, i)) {
             sim->constraints.in[i] = 0;
             any = 1;
         }
@@ -252,27 +178,50 @@ static int strike(gb_sim *sim) {
     return GB_DONE;
 }
 
-/* What an impact elsewhere opens for nothing stays closed: the bodies share their momentum, as they do in a flight that
- * ends at once. No event. any: whether there was such a contact; what it drives back is struck again. */
-static int close_what_opens_for_nothing(gb_sim *sim, int *any) {
-    double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi;
-    *any = 0;
+/* An impact elsewhere has opened stop i for nothing. */
+static int is_opened_for_nothing(gb_sim *sim, int i) {
+    return gb_is_stop(sim, i) && sim->constraints.slip[i] > sim->constraints.slip_rounding[i] && gb_touches(sim, i) &&
+           gb_opens_for_nothing(sim, i);
+}
+
+static int any_opened_for_nothing(gb_sim *sim) {
+    int any = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
+        any |= is_opened_for_nothing(sim, i);
+    }
+    return any;
+}
+
+/* The round in which they close, beside what has been closed so in rounds before: impulses of either have no bound. */
+static void set_up_closing(gb_sim *sim) {
+    double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        const int closed = gb_is_stop(sim, i) && sim->constraints.in[i] && lo[i] <= -HUGE_VAL;
         sim->constraints.in[i] = takes_impulse(sim, i, 1, &lo[i], &hi[i], &b[i]);
-        if (gb_is_stop(sim, i) && sim->constraints.slip[i] > sim->constraints.slip_rounding[i] && gb_touches(sim, i) &&
-            gb_opens_for_nothing(sim, i)) {
-            sim->constraints.in[i] = *any = 1;
+        if (closed || is_opened_for_nothing(sim, i)) {
+            sim->constraints.in[i] = 1;
             lo[i] = -HUGE_VAL;
             hi[i] = HUGE_VAL;
             b[i] = sim->constraints.slip[i];
         }
     }
-    if (!*any || strike(sim) != GB_DONE) {
-        return *any ? sim->head->report.code : GB_DONE;
-    }
-    for (int i = 0; i < sim->model->n_constraints; i++) {
-        const double mean = 0.5 * (sim->constraints.free_acceleration[i] + sim->constraints.slip[i]);
-        note_loss(sim, i, -sim->constraints.other[i] * mean);
+}
+
+/* What an impact elsewhere opens for nothing stays closed: the bodies share their momentum, as they do in a flight that
+ * ends at once; that may open the next one of a row. No event. any: whether there was such a contact; what it drives
+ * back is struck again. */
+static int close_what_opens_for_nothing(gb_sim *sim, int *any) {
+    *any = 0;
+    for (int pass = 0; pass < sim->model->n_constraints && any_opened_for_nothing(sim); pass++) {
+        *any = 1;
+        set_up_closing(sim);
+        if (strike(sim) != GB_DONE) {
+            return sim->head->report.code;
+        }
+        for (int i = 0; i < sim->model->n_constraints; i++) {
+            const double mean = 0.5 * (sim->constraints.free_acceleration[i] + sim->constraints.slip[i]);
+            note_loss(sim, i, -sim->constraints.other[i] * mean);
+        }
     }
     return GB_DONE;
 }

@@ -11,8 +11,4 @@
 /* Applies impulses where a stop is hit or an unbounded constraint slips; constraints.slip: slips after it. */
 int gb_impact(gb_sim *sim);
 
-/* Stop i is closed and an impact elsewhere has opened it: what presses it brings it back before the flight could be
- * told from rest. */
-int gb_opens_for_nothing(gb_sim *sim, int i);
-
 #endif
