@@ -21,6 +21,7 @@ ROOT = DOCS.parent
 PICTURE = DOCS / "pictures" / "rooms.svg"
 
 WIDTH, ROW, GAP, LANE, MARGIN = 590, 46, 16, 26, 24
+LONGEST = 98  # letters in a box
 COLOURS = ("#1f77b4", "#c44e52", "#2e8b57", "#8064a2", "#b8860b", "#3a8f9e", "#d2691e", "#5b6f8f")
 
 
@@ -109,6 +110,14 @@ def _counts(room: Room) -> str:
     return " · ".join(f"{found[sort]} {sort}" for sort in ("py", "C", "jinja") if found[sort])
 
 
+def _fitting(words: str) -> str:
+    """As much of the words as a box is wide."""
+    for mark in ("; ", ", "):
+        while len(words) > LONGEST and mark in words:
+            words = words.rpartition(mark)[0]
+    return words
+
+
 def _text(x: float, y: float, words: str, style: str) -> str:
     return f'<text x="{x:g}" y="{y:g}" class="{style}">{escape(words)}</text>'
 
@@ -143,7 +152,7 @@ def picture() -> str:
         parts.append(f'<rect x="{MARGIN}" y="{top[n]}" width="{WIDTH}" height="{ROW}" rx="5" stroke="{colour}"/>')
         parts.append(_text(MARGIN + 12, top[n] + 19, room.title, "name"))
         parts.append(_text(right - 12, top[n] + 19, _counts(room), "count"))
-        parts.append(_text(MARGIN + 12, top[n] + 37, room.words.replace("`", ""), "words"))
+        parts.append(_text(MARGIN + 12, top[n] + 37, _fitting(room.words.replace("`", "")), "words"))
     style = (
         "text{font-family:Helvetica,Arial,sans-serif;fill:#222}.name{font-size:15px;font-weight:bold}"
         ".words{font-size:12px;fill:#555}.count{font-size:12px;text-anchor:end;fill:#555}"

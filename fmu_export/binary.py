@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import os
 import platform
 import re
 import sys
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from fmu_export.templates import C_FOLDER, VERSION_FOLDERS
 from gearblocks.errors import ParameterError
+from gearblocks.progress import Progress
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler
-from gearblocks.solver.library import core_files, core_flags, produced
+from gearblocks.solver.library import core_files, core_flags, produced, side_by_side
 from gearblocks.solver.variants import Variant, variants_of
 
 SHARED_GLUE = (
@@ -93,8 +92,11 @@ def build_binary(sources: Mapping[str, bytes], identifier: str) -> dict[str, byt
         name, variant = unit
         return _object(compiler, headers[variant], name, sources[name], variant, bool(variants))
 
-    with ThreadPoolExecutor(max_workers=os.cpu_count() or 1) as workers:
-        objects = list(workers.map(made, units))
+    said = Progress("compiling the FMU", " (most of it only once)")
+    try:
+        objects = side_by_side(made, units, lambda done, total: said(done / total, f"{done} of {total} files"))
+    finally:
+        said.close()
     product = identifier + SHARED_SUFFIX
     files = {
         f"{name[:-2]}{variant.suffix if variant else ''}.o": data

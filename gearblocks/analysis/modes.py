@@ -54,6 +54,7 @@ class Modes(metaclass=Tidy):
     free: number of free rotations, known from the structure; bound: the largest eigenvalue that rounding gave in their
     place [rad/s], the measure of what 0 means here. angles: the absolute angles [rad] that laws read, by name; tied:
     rotations that these laws answer, such as a stiffness driven by the angle: they are among the first modes or the decays.
+    frozen: whether the slopes of these laws were left out.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Modes(metaclass=Tidy):
     bound: float
     angles: Mapping[str, float] = field(default_factory=dict)
     tied: int = 0
+    frozen: bool = False
 
     @property
     def hertz(self) -> Array:
@@ -102,8 +104,9 @@ class Modes(metaclass=Tidy):
             at = ", ".join(f"{name} = {value:.6g} rad" for name, value in list(self.angles.items())[:4])
             held = "1 rotation is" if self.tied == 1 else f"{self.tied} rotations are"
             slow = (
-                f"; {held} not free, because the laws change as it goes on (slow modes or decays)" if self.tied else ""
+                f"; {held} not free, because the laws change as it goes on: slow modes or decays" if self.tied else ""
             )
+            slow += " (frozen_angles=True: laws that stay)" if self.tied and not self.frozen else ""
             notes.append(f"laws over the angle, as of a mesh cycle, are those at {at}{slow}")
         return f"{self.name}: {len(self)} modes, {self.free} of them free rotation", notes
 
@@ -136,7 +139,7 @@ def _most(names: tuple[str, ...], values: Array, words: Callable[[float], str]) 
 @by_name_only
 def modes(
     train: Drivetrain | Model, at: OperatingPoint = "static", *, count: int | None = None, t: float | None = None,
-    parameters: Mapping[str, float | str] | None = None,
+    parameters: Mapping[str, float | str] | None = None, frozen_angles: bool = False,
 ) -> Modes:  # fmt: skip
     """The modes of a train about a point, contacts keeping their side.
 
@@ -146,18 +149,25 @@ def modes(
     finds them). Laws over absolute angles, such as a stiffness driven by the angle, are taken with their slope at the present
     angle, which the table names; a rotation that changes them is not free: it swings slowly about a trough of the mesh
     cycle, or creeps off a crest. Frequencies move with that angle: at={"motor.phi": ...} asks for another one.
+    frozen_angles: without that slope, the stiffness of a mesh cycle being what it is at the present angle: the train turns
+    freely, as one with constant stiffness does. A torque over an absolute angle, such as gravity's on a pendulum, restores
+    nothing then; a transmission error over the angle goes on to answer turning through the damping of its mesh, and is left
+    out by rig.without(...).
     """
     model = build(train)
     with operating_point(model, at, t, parameters) as point:
-        return modes_at(point, count)
+        return modes_at(point, count, frozen_angles=frozen_angles)
 
 
-def modes_at(point: Point, count: int | None = None) -> Modes:
-    """The modes about a point."""
+def modes_at(point: Point, count: int | None = None, *, frozen_angles: bool = False) -> Modes:
+    """The modes about a point; frozen_angles: without the slopes of laws over absolute angles."""
     if count is not None and (isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1):
         raise ParameterError(f"count = {count!r} must be a whole number >= 1")
     kin = kinematics(point)
-    A = _without_counts(state_matrix(point), kin)
+    A = state_matrix(point)
+    if frozen_angles and _angle_is_state(point, kin):
+        A = _without_columns(A, kin.angles)
+    A = _without_counts(A, kin)
     turning = _free_rotations(point, kin, A)
     small = reduction(point, A.shape[0])
     values, vectors = _eigen(A if small is None else small.matrix(A), count, 2 * turning.shape[1])
@@ -179,7 +189,7 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
     angles = {point.program.states[i].name: float(point.y[i]) for i in read}
     return Modes(
         point.program.name, sizes, damping, values, bodies, shapes, kinetic, elements, strain, decays, free.shape[1],
-        bound, angles, kin.N.shape[1] - free.shape[1] if angles else 0,
+        bound, angles, kin.N.shape[1] - free.shape[1] if angles else 0, frozen_angles,
     )  # fmt: skip
 
 
@@ -188,6 +198,15 @@ def modes_at(point: Point, count: int | None = None) -> Modes:
 
 def _angle_is_state(point: Point, kin: Kinematics) -> bool:
     return bool(len(kin.angles)) and bool(kin.angles.max() < point.program.n)
+
+
+def _without_columns(A: csc_array, columns: Array) -> csc_array:
+    """The matrix of a system that does not see these states."""
+    from scipy.sparse import csc_array, diags_array
+
+    keep = np.ones(A.shape[1])
+    keep[columns] = 0.0
+    return csc_array(A @ diags_array(keep))
 
 
 def _without_counts(A: csc_array, kin: Kinematics) -> csc_array:

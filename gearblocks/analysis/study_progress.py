@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from gearblocks.simulation.progress import Progress
+from gearblocks.progress import Progress
 
 _PATIENCE = 1.0  # seconds before anything is shown
 

@@ -16,6 +16,7 @@ from gearblocks.codegen.program import Program
 from gearblocks.errors import GearblocksError, ParameterError, SimulationError, log, warn
 from gearblocks.language.expression import finite_number
 from gearblocks.language.starts import is_rolling
+from gearblocks.progress import Progress
 from gearblocks.simulation.arguments import (
     METHOD_NAMES,
     InputSource,
@@ -39,7 +40,6 @@ from gearblocks.simulation.explaining import explained
 from gearblocks.simulation.failures import component_of, reason, too_long
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import run_again
-from gearblocks.simulation.progress import Progress
 from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.simulation.records import FinalState, NamedValues, Stats
 from gearblocks.simulation.rolling import rolled

@@ -16,15 +16,16 @@ import re
 import tempfile
 import threading
 import time
-from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed, wait
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksError, log
 from gearblocks.language.tidy import Tidy
+from gearblocks.progress import Progress
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, cpu_identity, find_compiler
@@ -62,7 +63,10 @@ _HOT = (
 """What every step runs through."""
 _COOL = ("-O2",)  # the rest of the core: a third quicker to compile
 _INCLUDE = re.compile(rb'^#include "(\w+\.h)"', re.MULTILINE)
-_builds: dict[tuple[int, str], Future[Core]] = {}
+_Unit = TypeVar("_Unit")
+_Made = TypeVar("_Made")
+_LOOK = 0.5  # seconds between two looks at how far the core is
+_builds: dict[tuple[int, str], _Build] = {}
 _lock = threading.Lock()
 
 
@@ -77,6 +81,34 @@ class Core:
     def is_there(self) -> bool:
         """Whether nobody has removed its files."""
         return all(path.is_file() for path in (self.library, *self.objects.values()))
+
+
+@dataclass(slots=True)
+class _Build:
+    """The core, being compiled in the background or ready. done, total: files."""
+
+    future: Future[Core] = field(default_factory=Future)
+    began: float = field(default_factory=time.monotonic)
+    done: int = 0
+    total: int = 0
+
+    @property
+    def is_usable(self) -> bool:
+        return self.future.exception() is None and self.future.result().is_there
+
+    def tell(self, done: int, total: int) -> None:
+        self.done, self.total = done, total
+
+    def core(self) -> Core:
+        """The core, as soon as it is there; whoever waits for it sees how far it is."""
+        said = Progress("compiling the core", " (once on this machine)", self.began)
+        try:
+            while not wait((self.future,), _LOOK).done:
+                if self.total:
+                    said(self.done / self.total, f"{self.done} of {self.total} files")
+            return self.future.result()
+        finally:
+            said.close()
 
 
 class Library:
@@ -140,7 +172,7 @@ def compile_program(program: Program) -> Library:
     path = cache.find("models", key, SHARED_SUFFIX)
     if path is None:
         began = time.perf_counter()
-        objects = _core(compiler, core).result().objects
+        objects = _core(compiler, core).core().objects
         path = cache.write("models", key, _linked(compiler, program.source, objects), SHARED_SUFFIX)
         log.info("'%s': compiled in %.3g s", program.name, time.perf_counter() - began)
     else:
@@ -226,27 +258,26 @@ def _core_key(compiler: Compiler) -> str:
 
 def _core_library(compiler: Compiler, key: str) -> Path:
     """The library of the core, made where it is not in the cache."""
-    return user_cache().find("core", key, SHARED_SUFFIX) or _core(compiler, key).result().library
+    return user_cache().find("core", key, SHARED_SUFFIX) or _core(compiler, key).core().library
 
 
-def _core(compiler: Compiler, key: str) -> Future[Core]:
+def _core(compiler: Compiler, key: str) -> _Build:
     """The core, being compiled in the background or ready. One build at a time in a process."""
     place = (os.getpid(), key)
     with _lock:
         build = _builds.get(place)
-        if build is None or (build.done() and not _usable(build)):
+        if build is None or (build.future.done() and not build.is_usable):
+            build = _Build()
             worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="gearblocks-core")
-            build = _builds[place] = worker.submit(_build_core, compiler, key)
+            build.future = worker.submit(_build_core, compiler, key, build.tell)
+            _builds[place] = build
             worker.shutdown(wait=False)
         return build
 
 
-def _usable(build: Future[Core]) -> bool:
-    return build.exception() is None and build.result().is_there
-
-
-def _build_core(compiler: Compiler, key: str) -> Core:
-    """Compiles what is missing, file by file and side by side; processes that begin at once share the work."""
+def _build_core(compiler: Compiler, key: str, tell: Callable[[int, int], None]) -> Core:
+    """Compiles what is missing, file by file and side by side; processes that begin at once share the work. tell: takes how
+    many files are done, and of how many."""
     cache = user_cache()
     names = list(_written("c"))
     keys = {name: digest(key, name) for name in names}
@@ -260,11 +291,26 @@ def _build_core(compiler: Compiler, key: str) -> Core:
             path = cache.find("core", keys[name], ".o")
             return path or cache.write("core", keys[name], _compiled(compiler, files, name), ".o")
 
-        with ThreadPoolExecutor(max_workers=min(len(missing), os.cpu_count() or 1)) as workers:
-            found.update(zip(missing, workers.map(made, missing), strict=True))
+        found.update(zip(missing, side_by_side(made, missing, tell), strict=True))
     objects = {name: path for name, path in found.items() if path is not None}
     library = cache.find("core", key, SHARED_SUFFIX)
     return Core(library or cache.write("core", key, _linked_core(compiler, objects), SHARED_SUFFIX), objects)
+
+
+def side_by_side(
+    made: Callable[[_Unit], _Made], units: Sequence[_Unit], tell: Callable[[int, int], None]
+) -> list[_Made]:
+    """What is made of each unit, on all processors; tell: takes how many are done, and of how many, whenever one is."""
+    with ThreadPoolExecutor(max_workers=max(1, min(len(units), os.cpu_count() or 1))) as workers:
+        under_way = [workers.submit(made, unit) for unit in units]
+        try:
+            for done, finished in enumerate(as_completed(under_way), start=1):
+                finished.result()
+                tell(done, len(units))
+        except BaseException:
+            workers.shutdown(cancel_futures=True)
+            raise
+    return [finished.result() for finished in under_way]
 
 
 def _linked_core(compiler: Compiler, objects: Mapping[str, Path]) -> bytes:

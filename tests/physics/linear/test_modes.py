@@ -250,4 +250,49 @@ def test_a_stiffness_over_the_angle_is_that_at_an_angle_which_the_table_names():
     rig.connect(rig.add("load", gb.Torque(tau=20.0 * 41 / 23)).flange, wheel.b)
     loaded = gb.modes(rig)  # k'(phi) g^2/2 turns the pair
     assert loaded.free == 0 and loaded.tied == 1 and "; 1 rotation is not free" in str(loaded)
+    still = gb.modes(rig, frozen_angles=True)
+    angle = still.angles["pinion.phi"]
+    assert still.free == 1 and still.tied == 0 and "not free" not in str(still)
+    there, slope = k * (1 + 0.2 * np.sin(23 * angle)), k * 0.2 * 23 * np.cos(23 * angle)
+    deflection = 20.0 / radii[0] / there  # the potential k x^2/2 turns the pinion by k' x^2/2, whose slope over x stays
+    expected = np.sqrt(there * gains + slope * deflection * radii[0] / J[0])
+    assert still.frequencies[1] == pytest.approx(expected, rel=1e-7)
     assert gb.modes(_pair()).angles == {}
+
+
+def _free_planetary(k, wave, planets=3):
+    teeth = {"z_sun": 42, "z_planet": 18, "z_ring": 78, "module": "2 mm", "pressure_angle": "20 deg"}
+    law = gb.MeshLaw(k=k, damping_ratio=0.05, stiffness_variation=wave)
+    gear = gb.PlanetaryGear(**teeth, planet_inertia="1 kg cm2", sun_mesh=law, ring_mesh=law, planets=planets)
+    rig = gb.Drivetrain("planetary")
+    sun, carrier = rig.add("motor", gb.Inertia(J=1e-3)), rig.add("load", gb.Inertia(J=1e-2))
+    stage, case = rig.add("gear", gear), rig.add("case", gb.Fixed())
+    drive, brake = rig.add("drive", gb.Torque(tau=50.0)), rig.add("brake", gb.Torque(tau=-50.0 * (1 + 78 / 42)))
+    rig.connect(drive.flange, sun.a)
+    rig.connect(sun.b, stage.sun)
+    rig.connect(stage.ring, case.flange)
+    rig.connect(stage.carrier, carrier.a, brake.flange)
+    return rig
+
+
+def test_with_frozen_angles_a_planetary_has_the_modes_of_one_whose_stiffness_is_constant():
+    wave = gb.Fourier(cos=(0.15,))
+    turning = gb.modes(_free_planetary(3e8, wave))
+    assert turning.free == 0 and turning.tied == 1
+    still = gb.modes(_free_planetary(3e8, wave), frozen_angles=True)
+    assert still.free == 1 and still.tied == 0 and still.frozen
+    # phases that stand, as at the start; the load winds the angles up by some microradians
+    even = gb.modes(_free_planetary(3e8, wave.changed(driven_by=0.0)), frozen_angles=True)
+    assert even.free == 1 and even.tied == 0 and even.angles == {}
+    assert still.frequencies == pytest.approx(even.frequencies, rel=1e-5)
+    assert still.damping[1:] == pytest.approx(even.damping[1:], rel=1e-4)
+
+
+def test_with_frozen_angles_gravity_restores_nothing():
+    rig = gb.Drivetrain("pendulum")
+    rig.add("bob", gb.Inertia(J=0.5, phi0=0.2))
+    rig.add("gravity", gb.Torque(tau=-3.0 * gb.sin(gb.sense("bob.phi"))))
+    rig.connect(rig["gravity"].flange, rig["bob"].a)
+    assert gb.modes(rig, at=None).frequencies == pytest.approx([np.sqrt(3.0 * np.cos(0.2) / 0.5)], rel=1e-7)
+    still = gb.modes(rig, at=None, frozen_angles=True)
+    assert still.free == 1 and still.frequencies == pytest.approx([0.0], abs=0)

@@ -15,10 +15,12 @@ _FIRST, _LONGEST = 10.0, 300.0
 
 @final
 class Progress:
-    """Says how far some work is; called with the share done, 0 .. 1, and words about it."""
+    """Says how far some work is; called with the share done, 0 .. 1, and words about it. began: when it did, on the monotonic
+    clock, where that is not now."""
 
-    def __init__(self, name: str, hint: str = "") -> None:
-        self._name, self._hint, self._start = name, hint, time.monotonic()
+    def __init__(self, name: str, hint: str = "", began: float | None = None) -> None:
+        self._name, self._hint = name, hint
+        self._start = time.monotonic() if began is None else began
         self._next, self._distance = _FIRST, _FIRST
         self._width = 0
         self._shown: Any = None

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from gearblocks.simulation import progress
-from gearblocks.simulation.progress import Progress
+from gearblocks import progress
+from gearblocks.progress import Progress
 
 
 class Stream(io.StringIO):
