@@ -25,6 +25,7 @@ from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import Kinematics, kinematics
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point, state_matrix, steps_of
+from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
@@ -200,7 +201,7 @@ def _angle_is_state(point: Point, kin: Kinematics) -> bool:
     return bool(len(kin.angles)) and bool(kin.angles.max() < point.program.n)
 
 
-def _without_columns(A: csc_array, columns: Array) -> csc_array:
+def _without_columns(A: csc_array, columns: Indices) -> csc_array:
     """The matrix of a system that does not see these states."""
     from scipy.sparse import csc_array, diags_array
 
