@@ -2,8 +2,9 @@
 
 /* Most combinations of sides that are looked at for a split. */
 enum { GB_SPLITS = 625 };
-/* Most loads that are tried in search of the largest. */
-enum { GB_ROUNDS = 10 };
+/* Most loads that are tried in search of the largest, and how close to it is on it. */
+enum { GB_ROUNDS = 60 };
+static const double GB_LIMIT = 1e-9;
 
 /* A split with lossy gears along their sides forward and backward, two numbers each. is_own: the motion tells it.
  * associated: one within the bounds, those of these sides among them, wherever there is one. */
@@ -171,51 +172,73 @@ void gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bou
     gb_split_of_any_sides(problem, is_own, b, bounds, force, NULL, HUGE_VAL, force);
 }
 
-/* What the split of the load times `scale` leaves, < 0: there is one. x: room. */
+/* What the split leaves of the load where all bounds are `part` of what they are, < 0: there is one. x: room. */
 static double gb_split_left_of(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
-                               const double *force, double scale, double *x) {
+                               const double *force, double part, double *x) {
     const int n = problem->A.n;
-    double load[n + 1], given[n + 1];
+    double lower[n + 1], upper[n + 1], shrink[n + 1];
     for (int i = 0; i < n; i++) {
-        load[i] = scale * b[i];
-        given[i] = scale * force[i];
+        lower[i] = part * bounds->lower[i];
+        upper[i] = part * bounds->upper[i];
+        shrink[i] = 1.0 - part * (bounds->shrink ? 1.0 - bounds->shrink[i] : 1.0);
     }
-    gb_split_by_sides(problem, is_own, load, bounds, given, x);
-    return gb_split_left(problem, is_own, load, bounds, given, x);
+    const gb_force_bounds less = {lower, upper, bounds->losses, bounds->tie_of, shrink};
+    gb_split_by_sides(problem, is_own, b, &less, force, x);
+    return gb_split_left(problem, is_own, b, &less, force, x);
 }
 
-/* Room of a split that fits: by how much the load, as slip acceleration, may grow until none does. What a split leaves
- * is nothing all the way to its limit and tells no search how close that is. Over the factor of the load it is convex
- * and straight in pieces, so that secants from outside end on the limit. */
+/* The largest slip acceleration against which forces that the motion does not tell hold; x: room. */
+static double gb_split_load(const gb_lcp *problem, const int *is_own, const double *force, double *x) {
+    const int n = problem->A.n;
+    double load = 0.0, ignored = 0.0;
+    for (int i = 0; i < n; i++) {
+        x[i] = is_own[i] ? 0.0 : force[i];
+    }
+    for (int i = 0; i < n; i++) {
+        load = problem->in[i] && !is_own[i] ? fmax(load, fabs(gb_delassus_product(&problem->A, i, x, &ignored))) : load;
+    }
+    return load;
+}
+
+/* Room of a split that fits: by how much the load, as slip acceleration, may grow until none does, beside bounds that
+ * are as large. What a split leaves is nothing all the way to its limit and tells no search how close that is. Bounds,
+ * and those of lossy gears, contain 0: as they become smaller there is a split and from somewhere on none. What is left
+ * times the factor of the load is convex in it and straight in pieces, so that secants from outside end on the limit;
+ * beside lossy gears it is asked what is beyond. A combination of sides that these steps do not find lets the room be
+ * told too small. */
 static double gb_split_room(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
                             const double *force, double *x) {
     const int n = problem->A.n;
-    double load = 0.0, most = 0.0, inside = 1.0, far = 0.0, far_left = 0.0;
+    const double load = gb_split_load(problem, is_own, force, x);
+    double most = 0.0, inside = 1.0, far = 0.0, far_left = 0.0;
     for (int i = 0; i < n; i++) {
-        const int counts = problem->in[i] && !is_own[i];
-        const double upper = fabs(bounds->upper[i]);
-        load = counts ? fmax(load, fabs(b[i])) : load;
-        most += counts && upper < HUGE_VAL ? fabs(gb_delassus_diagonal(&problem->A, i)) * upper : 0.0;
+        const double upper = problem->in[i] && !is_own[i] ? fabs(bounds->upper[i]) : 0.0;
+        most += upper < HUGE_VAL ? fabs(gb_delassus_diagonal(&problem->A, i)) * upper : 0.0;
     }
-    double outside = 2.0 + 2.0 * most / load;
     if (!(load > 1e-3 * most)) {
         return most;
     }
-    double left = gb_split_left_of(problem, is_own, b, bounds, force, outside, x);
-    for (int round = 0; round < GB_ROUNDS && left > 0.0 && outside > inside; round++) {
+    double outside = most > 0.0 ? 1.0 + most / load : 2.0; /* more room than that is as good */
+    double left = outside * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / outside, x);
+    const double on_limit = GB_LIMIT * left;
+    inside = left > 0.0 ? inside : outside;
+    for (int round = 0; round < GB_ROUNDS && outside - inside > GB_LIMIT * outside; round++) {
         const double secant = outside - left * (far - outside) / (far_left - left);
-        const double next = far > outside && secant > inside && secant < outside ? secant : 0.5 * (inside + outside);
-        const double now = gb_split_left_of(problem, is_own, b, bounds, force, next, x);
-        if (now <= 0.0) {
-            inside = next;
-        } else {
+        const int told = far > outside && secant > inside && secant < outside;
+        const double next = told ? secant : 0.5 * (inside + outside);
+        const double now = next * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / next, x);
+        if (now > on_limit) {
             far = outside;
             far_left = left;
             outside = next;
             left = now;
+            continue;
         }
-        if (now <= 0.0 && next == secant) { /* on the limit but for rounding */
-            break;
+        inside = next;
+        const double beyond = next + 4.0 * GB_LIMIT * outside;
+        if (told && (!bounds->tie_of ||
+                     beyond * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / beyond, x) > on_limit)) {
+            break; /* on the limit but for rounding */
         }
     }
     return load * (inside - 1.0);
@@ -236,7 +259,7 @@ void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, cons
     if (left > 0.0 && bounds->tie_of) {
         left = gb_split_of_any_sides(&problem, is_own, b, bounds, force, force, left, x);
     }
-    if (!(left > 0.0) && !bounds->tie_of) { /* gears at rest admit loads that are no convex set */
+    if (!(left > 0.0)) {
         left = fmin(left, -gb_split_room(&problem, is_own, b, bounds, force, other));
     }
     for (int i = 0; i < n; i++) {
