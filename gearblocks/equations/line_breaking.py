@@ -95,7 +95,7 @@ def _pieces(node: Node, style: Style, limit: float, depth: int) -> Iterator[_Pie
         for item in node.items:
             yield from _pieces(item, style, limit, depth + isinstance(item, Row))
     elif isinstance(node, Words):
-        for part in re.findall(r"\s*\S+\s*", node.text):
+        for part in re.findall(r"^\s+|\S+\s*", node.text):
             words = Words(part)
             yield _Piece(style.shown(words), style.width(words), part[0].isalpha(), depth)
     elif isinstance(node, Op):

@@ -76,3 +76,11 @@ def test_what_cannot_be_broken_is_not_put_behind_a_wide_left_side():
     assert not fit_together([(short, word), (long, short)])
     style = Style(lambda node: node.digits, lambda node: float(len(node.digits)), " ", str)
     assert cost([Num("9" * 50)], style, COLUMN, COLUMN) > TOO_WIDE / 10 > cost([Num("9" * 30)], style, COLUMN, COLUMN)
+
+
+@pytest.mark.parametrize("words", [" with ", "with ", " with the right sides of "])
+def test_a_line_may_begin_with_words_behind_mathematics(words):
+    row = Row((_wide(9), Op("="), _wide(20), Words(words), _wide(6, "f")))
+    broken = lines([row], TEXT, 34, 34)
+    assert len(broken) == 2 and max(map(len, broken)) <= 34
+    assert broken[1].startswith("with")
