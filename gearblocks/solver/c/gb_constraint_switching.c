@@ -188,17 +188,6 @@ static void free_the_disengaged(gb_sim *sim) {
     }
 }
 
-/* The state so far ahead, or a quarter as far as often as it takes: what the classical method makes of a motion much
- * faster than its steps is no number in the end. */
-static int follow_finite(gb_sim *sim, double ahead) {
-    int code = gb_follow(sim, ahead, LOOK_STEPS, sim->z);
-    while (code == GB_DONE && ahead > 0.0 && !(gb_taint(sim->z, sim->model->n_padded) == 0.0)) {
-        ahead *= 0.25;
-        code = gb_follow(sim, ahead, LOOK_STEPS, sim->z);
-    }
-    return code;
-}
-
 /* A constraint that flips again at once stands where forces and bounds vanish together: a look a little ahead, further
  * at every try, tells what comes next. The state there is constraints.y, its time terms are those of `instant`. */
 static int look_ahead(gb_sim *sim) {
@@ -222,7 +211,7 @@ static int look_ahead(gb_sim *sim) {
         return GB_DONE;
     }
     const double ahead = told > 0.0 ? told : ldexp(gb_rounding(head->front.t1, head->front.h), 2 * (int)flips);
-    const int code = follow_finite(sim, ahead);
+    const int code = gb_follow_finite(sim, ahead, LOOK_STEPS, sim->z);
     sim->constraints.y = code == GB_DONE ? sim->z : sim->y;
     return code;
 }
@@ -292,6 +281,19 @@ static int look_at_front(gb_sim *sim, int log) {
     return code;
 }
 
+/* Slips and impacts are those of the front, although a look ahead decides by the forces of a later instant: a motion
+ * that is given moves on until then, and what it carries along would strike it again and again. */
+static int strike_at_front(gb_sim *sim) {
+    const double ahead = sim->instant.t[0];
+    const int looks = sim->constraints.y != sim->y;
+    int code = looks ? gb_time_terms_at(sim, sim->head->front.t1) : GB_DONE;
+    if (code == GB_DONE) {
+        gb_slips_now(sim);
+        code = gb_impact(sim);
+    }
+    return looks && code == GB_DONE ? gb_time_terms_at(sim, ahead) : code;
+}
+
 /* Impacts, then forces: what each constraint does from here. */
 static int decide(gb_sim *sim, int starting) {
     const gb_model *model = sim->model;
@@ -305,9 +307,7 @@ static int decide(gb_sim *sim, int starting) {
     }
     model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
     free_the_disengaged(sim);
-    gb_slips_now(sim);
-    int code = gb_impact(sim);
-    int impacted = 0;
+    int code = strike_at_front(sim), impacted = 0;
     for (int i = 0; i < model->n_constraints; i++) {
         impacted = impacted || sim->constraints.struck[i];
     }

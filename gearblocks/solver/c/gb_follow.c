@@ -1,6 +1,7 @@
 #include "gb_follow.h"
 #include "gb_rates.h"
 #include "gb_time_terms.h"
+#include "gb_vector.h"
 
 /* Scratch rows, behind the stages that dense output may still ask for. */
 enum { STAGE = GB_STAGES - 3, RATE, SUM };
@@ -39,4 +40,13 @@ int gb_follow(gb_sim *sim, double time, int steps, double *state) {
         }
     }
     return code == GB_DONE ? gb_time_terms_at(sim, t + time) : code;
+}
+
+int gb_follow_finite(gb_sim *sim, double time, int steps, double *state) {
+    int code = gb_follow(sim, time, steps, state);
+    while (code == GB_DONE && time > 0.0 && !(gb_taint(state, sim->model->n_padded) == 0.0)) {
+        time *= 0.25;
+        code = gb_follow(sim, time, steps, state);
+    }
+    return code;
 }

@@ -1,4 +1,4 @@
-"""Thirteen families of random trains; each is a function from a seed to a description."""
+"""Fourteen families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from tests.random.families.inertialess import inertialess
 from tests.random.families.laws import laws
 from tests.random.families.lossy import lossy
 from tests.random.families.mixed import mixed
+from tests.random.families.rounded import rounded
 from tests.random.families.smooth import smooth
 from tests.random.families.starts import starts
 from tests.random.families.vehicle import vehicle
@@ -35,6 +36,7 @@ FAMILIES: dict[str, Callable[[int], Train]] = {
         vehicle,
         feedback,
         starts,
+        rounded,
     )
 }
 
