@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from tests.random.description import GROUND, Part, Train
 from tests.random.expressions import DISTANCE, TEMPERATURE, sense, table, thing
 from tests.random.families import draw
-from tests.random.reference import WrongStartError, reference_motion
+from tests.random.reference import NoEvidenceError, WrongStartError, reference_motion
 from tests.random.reference.switches import Switches, Table1
 
 T = np.linspace(0.0, 1.0, 11)
@@ -165,3 +165,15 @@ def test_a_start_that_is_not_as_asked_is_wrong():
 def test_a_family_draws_what_it_is_for(family, words):
     text = " ".join(repr(draw(family, seed)) for seed in range(60))
     assert [w for w in words if w not in text] == []
+
+
+def test_a_clutch_beside_a_gear_of_ratio_one_that_loses_leaves_the_motion_open_and_beside_an_ideal_one_does_not():
+    # what the clutch takes, from 0 to its capacity, the gear does not carry and does not lose
+    ends = (("a", "j"), ("b", "k"))
+    parts = (_wheel(w0=1.0), _wheel("k", 1.0), Part("c", "Clutch", (("capacity", 0.5),), ends))
+    parts += (Part("t", "Torque", (("tau", 3.0),), (("flange", "j"),)),)
+    with pytest.raises(NoEvidenceError):
+        lossy = Part("g", "LossyGear", (("ratio", 1.0), ("efficiency", (0.8, 0.7))), ends)
+        reference_motion(_train(*parts, lossy), T)
+    motion = reference_motion(_train(*parts, Part("g", "IdealGear", (("ratio", 1.0),), ends)), T)
+    assert motion.speeds[1] == pytest.approx(1.0 + T, abs=1e-10)

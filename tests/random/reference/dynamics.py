@@ -248,8 +248,7 @@ class Dynamics:
     def _looked_at(self, G: Array, MB: Array, W: Array) -> tuple[Array, Array, Array, Array | None]:
         if not len(G):
             return G, MB, W, None
-        high = np.abs(W).max(axis=1)
-        if not high.all():
+        if not (high := np.abs(W).max(axis=1)).all():
             raise NoEvidenceError("a lock on what cannot move")
         scale = np.sqrt(high)
         if np.linalg.cond(W / np.outer(scale, scale)) < 1e10:
@@ -257,9 +256,10 @@ class Dynamics:
         W = W / np.outer(scale, scale)
         _, sizes, V = np.linalg.svd(W)
         free = sizes < 1e-10 * sizes.max()
-        if free.sum() > 4:
+        moves = np.abs(MB @ (null := (V[free] / scale).T)).max() > 1e-8 * (np.abs(MB) @ np.abs(null)).max()
+        if free.sum() > 4 or moves:  # beside what loses by its load, how they share it tells the motion
             raise NoEvidenceError("locks that share a load")
-        return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), (V[free] / scale).T
+        return G, MB, np.linalg.pinv(W, rcond=1e-10) / np.outer(scale, scale), null
 
     def _shared(self, values: list[float], numbers: Array, null: Array) -> list[float]:
         """More loads than the motion needs: the margin is how much room there is to share them within all bounds."""
