@@ -29,6 +29,8 @@ Series = tuple[str, str, Array]
 """Name, unit and values of one quantity."""
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#A08C00")
+DASHES = ("-", "--", ":", "-.")
+"""Of the first curves that have the colours, of those after them, and so on."""
 NO_UNIT = ("", "1")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 
@@ -95,8 +97,10 @@ def over_time(
             for number, (label, values) in enumerate(curves):
                 time, shown = _thinned(t * clock, values * factor)
                 how = "steps-post" if _is_whole(group[0][1], values) else "default"
-                dashes = ("-", "--")[number // 8 % 2]
-                axis.plot(time, shown, color=COLOURS[number % 8], label=label, linestyle=dashes, drawstyle=how)
+                dashes = DASHES[number // len(COLOURS) % len(DASHES)]
+                axis.plot(
+                    time, shown, color=COLOURS[number % len(COLOURS)], label=label, linestyle=dashes, drawstyle=how
+                )
             if events is not None and 0 < len(events) <= _MOST_EVENTS:
                 foot = axis.get_xaxis_transform()
                 axis.plot(events * clock, np.zeros(len(events)), "|", color="#555555", markersize=10, transform=foot)

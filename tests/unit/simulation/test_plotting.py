@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from gearblocks.errors import StorageError, UnknownNameError
+from gearblocks.simulation.plotting import COLOURS, DASHES, over_time
 from gearblocks.simulation.trajectory import Trajectory
 
 
@@ -27,3 +28,12 @@ def test_a_plot_of_an_unknown_output_or_form_is_refused(make_run: Callable[..., 
     with pytest.raises(StorageError, match=r"\.png"):
         make_run().plot("wheel.w", path=tmp_path / "x.docx")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("count", [2, 8, 9, 17, 32])
+def test_no_two_curves_of_a_panel_look_alike(count: int) -> None:
+    t = np.linspace(0.0, 1.0, 5)
+    figure = over_time(t, [(f"part{i}.torque", "N m", (i + 0.5) * t) for i in range(count)])
+    (panel,) = figure.axes
+    looks = [(line.get_color(), line.get_linestyle()) for line in panel.lines]
+    assert len(set(looks)) == len(looks) == count <= len(COLOURS) * len(DASHES)
