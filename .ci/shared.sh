@@ -5,10 +5,12 @@ set -euo pipefail
 work=$(mktemp -d)
 # However it ends, the last line says so.
 at="preparation"
+processes=()
 leave() {
-    local code=$?
-    rm -rf "$work"
+    local code=$? each
+    for each in "${processes[@]}"; do kill -- "-$each" 2>/dev/null || true; done
     if [ "$code" -ne 0 ]; then echo "FAILED in: $at (exit $code)"; fi
+    rm -rf "$work"
 }
 trap leave EXIT
 copy="$work/prüf stand"
@@ -17,7 +19,8 @@ git ls-files -co --exclude-standard -z | while IFS= read -r -d '' file; do
     if [ -e "$file" ]; then printf '%s\0' "$file"; fi
 done | tar -c --null -T - | tar -x -C "$copy"
 cd "$copy"
-export GEARBLOCKS_CACHE="$work/cache" PIP_DISABLE_PIP_VERSION_CHECK=1
+# Python compiles what it imports; pip would compile all that it installs, on one core.
+export GEARBLOCKS_CACHE="$work/cache" PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_COMPILE=0
 bin="$copy/.venv/bin"
 
 step() {
@@ -25,25 +28,48 @@ step() {
     printf '\n== %s (%d s)\n' "$1" "$SECONDS"
 }
 
+# Begins a step beside others, on another core: `beside NAME COMMAND...`; `together` waits for all of them and shows what
+# each of them said.
+others=()
+beside() {
+    local begun=$SECONDS
+    set -m # a group of its own, which can be ended as a whole
+    {
+        "${@:2}"
+        echo "took $((SECONDS - begun)) s"
+    } >"$work/beside ${#others[@]}" 2>&1 </dev/null &
+    set +m
+    others+=("$1")
+    processes+=($!)
+}
+together() {
+    local each code=0
+    for each in "${!others[@]}"; do
+        step "${others[each]}"
+        wait "${processes[each]}" || code=$?
+        cat "$work/beside $each"
+        if [ "$code" -ne 0 ]; then exit "$code"; fi
+    done
+    others=()
+    processes=()
+}
+
 # What this machine does not have is said at the end.
-missing=()
 left_out() {
     echo "$1 is not here"
-    missing+=("$1")
+    echo "left out: $1" >>"$work/missing"
 }
 
 # The command that follows the mark <!-- command: NAME --> in the README.
 readme_command() { awk -v mark="<!-- command: $1 -->" '$0 == mark { getline; getline; print; exit }' README.md; }
 
 # Runs pytest's command and keeps its closing line, to be said again at the end.
-names=()
-closing=()
 tests() {
-    local name=$1
+    local name=$1 log
     shift
-    "$@" 2>&1 | tee "$work/tests.txt"
-    names+=("$name")
-    closing+=("$(tail -n 1 "$work/tests.txt")")
+    log=$(mktemp "$work/tests.XXXXXX")
+    "$@" 2>&1 | tee "$log"
+    printf '%s\n%s\n' "$name" "$(tail -n 1 "$log")" >>"$work/closing"
 }
 
 # The kernels of OpenBLAS can be chosen where numpy and scipy bring one with several; the names that they answer say whether
@@ -128,13 +154,12 @@ on_processors() {
 compiles_for() { echo 'int main(void) { return 0; }' | cc "-march=$1" -x c - -o "$work/probe" 2>/dev/null; }
 
 # How many tests pytest's closing lines count as `$1`.
-counted() { printf '%s\n' "${closing[@]}" | { grep -oE "[0-9]+ $1\b" || true; } | awk '{ sum += $1 } END { print sum + 0 }'; }
+counted() { { grep -oE "[0-9]+ $1\b" "$work/closing" || true; } | awk '{ sum += $1 } END { print sum + 0 }'; }
 
 # The last words: what pytest said, what was left out, and all tests in one plain line.
 finish() {
     step "all passed"
-    local each
-    for each in "${!names[@]}"; do printf '%s\n%s\n' "${names[each]}" "${closing[each]}"; done
-    if [ ${#missing[@]} -gt 0 ]; then printf 'left out: %s\n' "${missing[@]}"; fi
+    cat "$work/closing"
+    if [ -e "$work/missing" ]; then cat "$work/missing"; fi
     echo "$(counted passed) passed, $(counted failed) failed"
 }

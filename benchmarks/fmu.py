@@ -1,4 +1,4 @@
-"""`python -m benchmarks.fmu`: a simulated second in an FMU at steps of 1 ms, one output read, beside the run in-process.
+"""`python -m benchmarks.fmu [TRAIN ...]`: a second in an FMU at steps of 1 ms, one output read, beside the run in-process.
 
 Through fmpy, whose calls of Python count; the row of one inertia says what they cost. Each kind of code that the binary holds.
 """
@@ -6,6 +6,7 @@ Through fmpy, whose calls of Python count; the row of one inertia says what they
 from __future__ import annotations
 
 import os
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -72,6 +73,8 @@ def main() -> None:
     for name, rig, output in (
         ("one inertia", one_inertia(), "body.w"), ("P1", p1(), "mesh.force"), ("spline coupling", spline(), "spline.force"),
     ):  # fmt: skip
+        if sys.argv[1:] and name not in sys.argv[1:]:
+            continue
         with tempfile.TemporaryDirectory() as folder:
             path = fmu_export.export(rig, Path(folder, "timed.fmu"))
             for level in ("", *(level for level in LEVELS if runs(level))):

@@ -1,6 +1,8 @@
-"""`python -m benchmarks.p1`: P1 over 0.02 s and over 1 s, gearblocks and its peers."""
+"""`python -m benchmarks.p1 [SECONDS ...]`: P1 over 0.02 s and over 1 s, gearblocks and its peers."""
 
 from __future__ import annotations
+
+import sys
 
 import numpy as np
 
@@ -31,10 +33,10 @@ def table(t_end: float, samples: int) -> Table:
 
 
 def main() -> None:
-    """Prints both tables."""
+    """Prints a table per window."""
     print(machine(), "\n")
-    print(table(0.02, 100).text())
-    print(table(1.0, 1000).text())
+    for t_end in [float(a) for a in sys.argv[1:]] or [0.02, 1.0]:
+        print(table(t_end, 1000 if t_end > 0.1 else 100).text())
 
 
 if __name__ == "__main__":

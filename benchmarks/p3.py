@@ -1,6 +1,8 @@
-"""`python -m benchmarks.p3`: a planetary set with four planets and eight meshes with backlash, 0.02 s."""
+"""`python -m benchmarks.p3 [SECONDS]`: a planetary set with four planets and eight meshes with backlash, 0.02 s."""
 
 from __future__ import annotations
+
+import sys
 
 import numpy as np
 
@@ -16,9 +18,10 @@ PROBLEM = P3()
 def main() -> None:
     """Prints the table."""
     print(machine(), "\n")
-    t: Array = np.linspace(0.0, 0.02, 101)[1:]
+    t_end = float(sys.argv[1]) if sys.argv[1:] else 0.02
+    t: Array = np.linspace(0.0, t_end, 101)[1:]
     known = reference(PROBLEM, t, checked=True)
-    result = Table(f"P3, 0.02 s, 100 samples ({known.words})")
+    result = Table(f"P3, {t_end:g} s, 100 samples ({known.words})")
     y = known.y
     attempt(result, "gearblocks", lambda: ours(PROBLEM, t, y, (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10), "dp8"))
     attempt(result, "gearblocks auto", lambda: ours(PROBLEM, t, y, (1e-6,), "auto"))

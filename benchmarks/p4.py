@@ -1,8 +1,8 @@
-"""`python -m benchmarks.p4 [N ...]`: a stiff chain of N inertias, without and with hits on both sides of the gaps."""
+"""`python -m benchmarks.p4 [--seconds S] [N ...]`: a stiff chain of N inertias, without and with hits on both sides."""
 
 from __future__ import annotations
 
-import sys
+import argparse
 
 import numpy as np
 
@@ -25,9 +25,9 @@ def known(problem: P4, t: Array) -> Reference:
     return reference(problem, t, 1e-14 if extended else 1e-12, extended=extended, checked=problem.n <= 300)
 
 
-def table(n: int, swing: float = 0.5) -> Table:
+def table(n: int, seconds: float, swing: float = 0.5) -> Table:
     """One length of chain; with a swing of 1.5 the meshes hit both sides."""
-    problem = P4(n=n, swing=swing)
+    problem = P4(n=n, swing=swing, t_end=seconds)
     t: Array = np.linspace(0.0, problem.t_end, 51)[1:]
     reference = known(problem, t)
     y, hits = reference.y, swing > 1
@@ -51,10 +51,14 @@ def table(n: int, swing: float = 0.5) -> Table:
 def main() -> None:
     """Prints one table per length."""
     print(machine(), "\n")
-    for n in [int(a) for a in sys.argv[1:]] or [100, 1000, 10_000, 100_000]:
-        print(table(n).text(), flush=True)
+    parser = argparse.ArgumentParser()
+    parser.add_argument("n", type=int, nargs="*")
+    parser.add_argument("--seconds", type=float, default=0.1)
+    given = parser.parse_args()
+    for n in given.n or [100, 1000, 10_000, 100_000]:
+        print(table(n, given.seconds).text(), flush=True)
         if n <= 1000:
-            print(table(n, 1.5).text(), flush=True)
+            print(table(n, given.seconds, 1.5).text(), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""`python -m benchmarks.studies`: studies against the solver time of their points, and against a loop over simulate."""
+"""`python -m benchmarks.studies [POINTS]`: studies against the solver time of their points, and a loop over simulate."""
 
 from __future__ import annotations
 
 import itertools
+import sys
 import time
 from collections.abc import Callable
 from typing import Any
@@ -17,7 +18,6 @@ from gearblocks.simulation.arguments import method_options
 
 PROBLEM = P2()
 T_END = PROBLEM.periods * PROBLEM.period
-GRID = {"mesh.k": np.linspace(0.8, 1.2, 20), "mesh.c": np.linspace(0.05, 0.2, 10)}
 WORK: dict[str, list[Any]] = {
     "last, energy_lost, count": [gb.last("mesh.deflection"), gb.energy_lost("mesh"), gb.count("mesh")],
     "rms": [gb.rms("mesh.force")],
@@ -25,16 +25,23 @@ WORK: dict[str, list[Any]] = {
 }
 
 
+def grid() -> dict[str, Array]:
+    """The levels of both parameters."""
+    count = int(sys.argv[1]) if sys.argv[1:] else 200
+    levels = round((count / 2) ** 0.5)
+    return {"mesh.k": np.linspace(0.8, 1.2, count // levels), "mesh.c": np.linspace(0.05, 0.2, levels)}
+
+
 def points() -> Array:
     """All points of the grid."""
-    return np.array([*itertools.product(*GRID.values())])
+    return np.array([*itertools.product(*grid().values())])
 
 
 def bare() -> None:
     """The solver alone: one simulation, every point from its start to its end, nothing recorded but the last sample."""
     built = model(PROBLEM)
     options, _ = method_options("auto", 1e-6, None, None, True, T_END)
-    numbers = [built.program.parameter_numbers[path] for path in GRID]
+    numbers = [built.program.parameter_numbers[path] for path in grid()]
     end = np.array([T_END])
     with built.library.open() as sim:
         for point in points():
@@ -49,7 +56,7 @@ def bare() -> None:
 def loop() -> None:
     """What a user would write without studies."""
     for point in points():
-        run = gb.simulate(model(PROBLEM), t_end=T_END, parameters=dict(zip(GRID, point.tolist(), strict=True)))
+        run = gb.simulate(model(PROBLEM), t_end=T_END, parameters=dict(zip(grid(), point.tolist(), strict=True)))
         float(run["mesh.force"].max()), float(np.sqrt((run["mesh.force"] ** 2).mean())), run.energy.dissipated["mesh"]
 
 
@@ -68,7 +75,7 @@ def main() -> None:
     print(machine(), "\n")
     count = len(points())
     base, wall = timed(bare)
-    print(f"P2 over {PROBLEM.periods} periods at 1e-6, {count} points of {' and '.join(GRID)}; per point\n")
+    print(f"P2 over {PROBLEM.periods} periods at 1e-6, {count} points of {' and '.join(grid())}; per point\n")
     print("| what | CPU us | of the solver | wall us |\n|---|---|---|---|")
 
     def row(what: str, cpu: float, wall: float) -> None:
@@ -79,7 +86,7 @@ def main() -> None:
         for threads in (1, 2):
             row(
                 f"sweep of {what}, threads: {threads}",
-                *timed(lambda: gb.sweep(model(PROBLEM), GRID, quantity=quantities, t_end=T_END, threads=threads)),  # noqa: B023
+                *timed(lambda: gb.sweep(model(PROBLEM), grid(), quantity=quantities, t_end=T_END, threads=threads)),  # noqa: B023
             )
     row("loop over simulate (peak, rms of samples, energy lost)", *timed(loop))
 

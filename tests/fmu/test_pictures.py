@@ -19,10 +19,17 @@ def _swing() -> gb.Drivetrain:
 
 def test_the_fmu_of_a_train_shows_its_scheme(tmp_path: Path) -> None:
     rig = _swing()
-    path = fmu_export.export(rig, tmp_path / "swing.fmu")
+    path = fmu_export.export(rig, tmp_path / "swing.fmu", platforms=())
     with zipfile.ZipFile(path) as archive:
         page, icon = archive.read("documentation/index.html").decode(), archive.read("model.png")
     assert str(rig.draw()) in page and icon.startswith(b"\x89PNG")
+
+
+@pytest.mark.long
+def test_an_fmu_with_pictures_passes_every_check(tmp_path: Path) -> None:
+    path = fmu_export.export(_swing(), tmp_path / "swing.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert ICON in archive.namelist()
     assert fmu_export.check(path).ok
 
 

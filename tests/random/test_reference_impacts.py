@@ -177,6 +177,7 @@ def test_what_friction_does_not_hold_at_its_stop_is_struck_off_it(m, M, e, dry, 
 @pytest.mark.parametrize("e", [0.8, 0.4])
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("blocks", [("Freewheel", "Freewheel"), ("OneWayClutch", "Freewheel"), ("OneWayClutch",) * 2])
+@pytest.mark.few(3)
 def test_what_two_locks_hold_both_ways_is_a_wall(e, side, blocks):
     locks = [
         Part(

@@ -34,7 +34,7 @@ def _rig(law, bound):
 
 @pytest.mark.parametrize("law", ["lash", "table", "condition"])
 @pytest.mark.parametrize("bound", [0.0, 0.3])
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 def test_it_bounces_and_comes_to_rest(law, bound):
     """J x'' = -PUSH - K x in flight: 2/w atan(v K/(w PUSH)) long."""
     model, random, own = gb.build(_rig(law, bound)), np.random.default_rng(3), math.sqrt(K / J)

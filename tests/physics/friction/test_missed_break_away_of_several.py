@@ -65,6 +65,7 @@ def test_a_load_that_just_exceeds_what_several_hold_lets_go_when_it_does(held):
 
 
 @pytest.mark.parametrize("held", HELD)
+@pytest.mark.few(1)
 def test_what_lets_go_slides_as_far_as_its_load_says_in_any_order_of_parts(held):
     size = 2.005
     tau = lambda t: size * np.sin(t)  # noqa: E731

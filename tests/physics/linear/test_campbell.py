@@ -39,7 +39,7 @@ def test_orders_follow_from_the_teeth_and_cross_where_they_should():
     mesh = [c for c in found.crossings if c.order == "teeth of mesh"]
     assert [c.speed for c in mesh] == pytest.approx(swinging / 23, rel=1e-6)
     assert [c.mode for c in mesh] == [1, 2]
-    assert gb.campbell(rig, "motor.w", speeds, reference="wheel").orders["teeth of mesh"] == pytest.approx(41.0)
+    assert gb.campbell(rig, "motor.w", speeds[:2], reference="wheel").orders["teeth of mesh"] == pytest.approx(41.0)
 
 
 def test_frequencies_that_depend_on_a_speed_are_followed():

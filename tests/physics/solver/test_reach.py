@@ -63,7 +63,7 @@ GROWING = [
 
 @pytest.mark.parametrize("method", ["dp8", "auto"])
 @pytest.mark.parametrize(("J", "k", "c", "pace", "power", "rtol", "size"), GROWING)
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 def test_steps_that_are_held_back_are_right_inside_while_what_they_follow_grows(
     method, J, k, c, pace, power, rtol, size, reference
 ):

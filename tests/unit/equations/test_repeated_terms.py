@@ -12,7 +12,7 @@ from tests.unit.equations.planets import LAWS, planets
 
 @pytest.mark.parametrize("kind", [*LAWS])
 @pytest.mark.parametrize("nested", [False, True], ids=["whole", "nested"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_equations_of_planets_with_errors_are_short(kind, nested):
     eq = planets(kind, nested).equations()
     text, latex = str(eq), eq.latex()

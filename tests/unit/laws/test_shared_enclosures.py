@@ -83,7 +83,7 @@ def test_what_is_shared_has_the_bits_of_what_is_enclosed_alone(library, i):
 
 
 @pytest.mark.parametrize("i", range(NUMBER))
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_dense_samples_of_random_laws_lie_in_what_is_shared(library, i):
     found, at = (Box * COUNT)(), (ctypes.c_double * COUNT)()
     for x, y, (a, c, b, d), width in boxes(100 + i):

@@ -50,6 +50,7 @@ def test_exponents_are_those_beside_the_given_angle():
     np.testing.assert_allclose(found.values, right.values, rtol=1e-3)
 
 
+@pytest.mark.long
 def test_a_speed_that_varies_gives_its_angle_too():
     speed = SPEED * (1 + 0.02 * gb.sin(SPEED * gb.time))
     found = gb.classify(_pair(gb.Fourier(cos=(0.2,)), speed=speed), gb.stroboscopic("speed"), initial="static")
