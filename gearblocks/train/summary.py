@@ -52,13 +52,13 @@ def short_texts(block: Declared, slides: bool) -> list[str]:
             and field.start is None
             and field.role not in ("option", "effect")
         ):
-            text = _short(value, unit_along(field.unit, slides))
+            text = _short(name, value, unit_along(field.unit, slides))
             found += [f"{name} = {text}"] if text else []
     return found
 
 
-def _short(value: Any, unit: str) -> str:
-    """A value of a few letters; empty for what has none."""
+def _short(name: str, value: Any, unit: str) -> str:
+    """The value of a field in a few letters; empty for what has none."""
     if isinstance(value, Given) and value.unit:
         value, unit = parse_unit(value.unit).of_si(float(value)), value.unit
     if isinstance(value, Parameter):
@@ -66,7 +66,11 @@ def _short(value: Any, unit: str) -> str:
     if isinstance(value, Input):
         return "an input"
     if isinstance(value, tuple):
-        return ":".join(f"{x:.4g}" for x in value) if all(isinstance(x, (int, float)) for x in value) else ""
+        if not all(isinstance(x, (int, float)) for x in value):
+            return ""
+        if name == "teeth":
+            return ":".join(f"{x:.4g}" for x in value)
+        return ", ".join(f"{float(x):.4g}" for x in value) + (f" {unit}" if unit != "1" else "")
     if isinstance(value, (Table, Table2)):
         return "a table"
     if isinstance(value, Expr):

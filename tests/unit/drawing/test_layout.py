@@ -283,6 +283,7 @@ _MESH = {
             ["k = 2e6 N/m", "half_gap = 1e-5 m"],
         ),
         (gb.Governor(target="1500 rpm", gain=0.02, integral_gain=0.0212345), ["integral_gain =", "0.02123 1/rad"]),
+        (gb.LossyGear(ratio=3, efficiency=(0.95, 0.9), bearing=(1, 1)), ["efficiency = 0.95, 0.9", "bearing = 1, 1 N m"]),
         (gb.Governor(target=gb.sense("load.w"), gain=0.02), ["target = load.w"]),
     ],
 )  # fmt: skip
