@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from fmu_export.templates import C_FOLDER, VERSION_FOLDERS
@@ -13,7 +13,7 @@ from gearblocks.errors import ParameterError
 from gearblocks.progress import Progress
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler
-from gearblocks.solver.library import core_files, core_flags, produced, side_by_side
+from gearblocks.solver.library import core_files, core_flags, included, produced, side_by_side
 from gearblocks.solver.variants import Variant, variants_of
 
 SHARED_GLUE = (
@@ -146,7 +146,11 @@ def _has_baseline(compiler: Compiler) -> bool:
 def _object(
     compiler: Compiler, headers: _Headers, name: str, source: bytes, variant: Variant | None, several: bool
 ) -> bytes:
-    files = {**headers.files, name: source}
+
+    def files() -> dict[str, bytes]:
+        told = {header: headers.files[header] for header in (_NAMES, _BASELINE) if header in headers.files}
+        return {**included(source, headers.files), **told, name: source}
+
     arguments: tuple[str, ...] = (
         *FLAGS,
         *(compiler.generated_flags if name in GENERATED else (*core_flags(name), *compiler.level)),
@@ -163,7 +167,7 @@ def _object(
     if _has_baseline(compiler):
         arguments = ("-include", _BASELINE, *arguments)
     if name in GENERATED:
-        return produced(compiler, files, arguments, "out.o")
+        return produced(compiler, files(), arguments, "out.o")
     return kept_object(compiler, files, arguments, digest(headers.key, name, source))
 
 
@@ -186,12 +190,14 @@ def digest_of(files: Mapping[str, bytes]) -> str:
     return digest(*(part for name in sorted(files) for part in (name, files[name])))
 
 
-def kept_object(compiler: Compiler, files: Mapping[str, bytes], arguments: Sequence[str], key: str) -> bytes:
-    """The object out.o that the compiler makes of these files, from the user's cache where it was made before; key: what tells
-    these files from others. Raises CompileError."""
+def kept_object(
+    compiler: Compiler, files: Callable[[], Mapping[str, bytes]], arguments: Sequence[str], key: str
+) -> bytes:
+    """The object out.o that the compiler makes of what `files` answers, from the user's cache where it was made before; key:
+    what tells these files from others. Raises CompileError."""
     cache = user_cache()
     whole = digest(compiler.identity, *arguments, key)
     path = cache.find("fmu", whole, ".o")
     if path is None:
-        path = cache.write("fmu", whole, produced(compiler, dict(files), arguments, "out.o"), ".o")
+        path = cache.write("fmu", whole, produced(compiler, files(), arguments, "out.o"), ".o")
     return path.read_bytes()

@@ -200,7 +200,7 @@ def _compile_strictly(folder: Path, listed: Sequence[str]) -> None:
         if name in GENERATED:
             objects[f"{number}.o"] = produced(compiler, files, arguments, "out.o")
         else:
-            objects[f"{number}.o"] = kept_object(compiler, files, arguments, digest(known, name, source))
+            objects[f"{number}.o"] = kept_object(compiler, files.copy, arguments, digest(known, name, source))
     product = "all" + SHARED_SUFFIX
     produced(compiler, objects, ("-shared", *objects, "-o", product, "-lm"), product)
 

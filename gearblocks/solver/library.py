@@ -236,12 +236,16 @@ def _written(ending: str) -> dict[str, bytes]:
 
 def headers_of(source: bytes) -> dict[str, bytes]:
     """The headers of the core that a C text includes, and those that they include."""
-    headers, found = _written("h"), dict[str, bytes]()
-    texts = [source]
+    return included(source, _written("h"))
+
+
+def included(source: bytes, files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Of these files those that a C text includes, and those that they include."""
+    found, texts = dict[str, bytes](), [source]
     while texts:
         for name in _INCLUDE.findall(texts.pop()):
-            if (header := name.decode()) in headers and header not in found:
-                texts.append(found.setdefault(header, headers[header]))
+            if (header := name.decode()) in files and header not in found:
+                texts.append(found.setdefault(header, files[header]))
     return found
 
 
@@ -327,7 +331,7 @@ def core_flags(name: str) -> tuple[str, ...]:
 def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
     """The object of one C file of the core."""
     arguments = (*FLAGS, *core_flags(name), *compiler.native, "-c", name, "-o", "core.o")
-    return produced(compiler, files, arguments, "core.o")
+    return produced(compiler, {name: files[name], **included(files[name], files)}, arguments, "core.o")
 
 
 def _linked(compiler: Compiler, source: str, objects: Mapping[str, Path]) -> bytes:
