@@ -19,7 +19,8 @@ git ls-files -co --exclude-standard -z | while IFS= read -r -d '' file; do
     if [ -e "$file" ]; then printf '%s\0' "$file"; fi
 done | tar -c --null -T - | tar -x -C "$copy"
 cd "$copy"
-# Python compiles what it imports; pip would compile all that it installs, on one core.
+# Python compiles what it imports, and keeps it in the copy; pip would compile all that it installs, on one core.
+unset PYTHONDONTWRITEBYTECODE
 export GEARBLOCKS_CACHE="$work/cache" PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_COMPILE=0
 bin="$copy/.venv/bin"
 

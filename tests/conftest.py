@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
-from collections.abc import Callable, Iterable
+import sys
+from collections.abc import Callable, Generator, Iterable
 from typing import TypeAlias
 
 import numpy as np
@@ -19,20 +21,41 @@ Surfaces: TypeAlias = Callable[[float, Array], ArrayLike]
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Most of the time of the quick tier would be that of the C compiler: it does not optimise generated laws and FMUs, the
-    bits are the same (unless CC names a level), and it draws a quarter of the examples of every random test."""
+    """Most of the time of the quick tier would be that of compilers. C: generated laws and FMUs are not optimised, the bits are
+    the same (unless CC names a level). Python: what is compiled is kept for the other workers and for the processes that tests
+    start, whatever PYTHONDONTWRITEBYTECODE says. Every random test draws a quarter of its examples."""
     if "not long" in config.getoption("markexpr"):
         compiler = os.environ.get("CC", "").strip() or ("cc" if shutil.which("cc") else "")
         if compiler and " -O" not in compiler:
             os.environ["CC"] = f"{compiler} -O0"
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+        sys.dont_write_bytecode = False
         busy = (HealthCheck.too_slow,)  # tells of the machine, not of the test
         settings.register_profile("quick", max_examples=25, suppress_health_check=busy)
         settings.load_profile("quick")
 
 
+def pytest_collection_finish() -> None:
+    """What has been collected stays: nobody has to look for garbage in it."""
+    gc.freeze()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(
+    collector: pytest.Collector,
+) -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Every other worker reads the files from the last one on: what one has compiled the others need not."""
+    report = yield
+    if isinstance(collector, pytest.Directory) and os.environ.get("PYTEST_XDIST_WORKER", "gw0")[-1] in "13579":
+        report.result = [*reversed(report.result or ())]
+    return report
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Of the cases of a test that is marked few(n), all but n are long."""
+    """Of the cases of a test that is marked few(n), all but n are long. All workers have the tests in the same order."""
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        items.sort(key=lambda item: item.path.parts)
     for item in beyond_the_few(items):
         item.add_marker(pytest.mark.long)
 
