@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pytest
 
 EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
@@ -18,6 +19,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "work").mkdir()
     monkeypatch.chdir(tmp_path / "work")
     mpl.use("Agg")
+    plt.close("all")  # matplotlib counts what other tests have left open
     return tmp_path
 
 
