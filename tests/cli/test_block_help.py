@@ -27,6 +27,7 @@ def _run(kind: type) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.few(20)
 def test_the_example_of_a_block_or_effect_runs_and_has_it(kind: type) -> None:
     assert f"gb.{kind.__name__}(" in example_of(kind)
     scope = _run(kind)

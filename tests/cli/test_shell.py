@@ -146,6 +146,7 @@ def test_a_run_is_explained(script: Path, capsys: pytest.CaptureFixture[str]) ->
 
 
 @pytest.mark.parametrize("ending", [".nc", ".json"])
+@pytest.mark.few(1)
 def test_a_stored_run_can_be_loaded(script: Path, ending: str) -> None:
     stored = script.with_suffix(ending)
     assert main(["run", f"{script}:stiff", "--t-end", "0.1", "--out", str(stored), "--outputs", "shaft.*"]) == 0

@@ -72,14 +72,20 @@ def test_what_follows_time_is_held_over_each_communication_step(unpacked: Unpack
     np.testing.assert_allclose(result["wheel.w"], alone["wheel.w"], rtol=0, atol=1e-4 * np.abs(alone["wheel.w"]).max())
 
 
-def test_a_report_says_what_the_inputs_were(packed: Path) -> None:
-    reports = [fmu_export.check(packed, steps=70, t_end="14 ms", inputs=inputs) for inputs in (None, {"tau": RAMP})]
-    said = [next(item.words for item in report.items if item.name == "run") for report in reports]
-    assert all(words.startswith("fmpy: 70 steps to t = 0.014 s") for words in said)
-    assert "inputs tau at their start values (inputs= gives others)" in said[0]
-    assert "inputs tau as given, held over each step" in said[1]
+@pytest.mark.parametrize(
+    ("inputs", "words"),
+    [
+        ({"tau": RAMP}, "inputs tau as given, held over each step"),
+        pytest.param(None, "inputs tau at their start values (inputs= gives others)", marks=pytest.mark.long),
+    ],
+)
+def test_a_report_says_what_the_inputs_were(packed: Path, inputs: Any, words: str) -> None:
+    report = fmu_export.check(packed, steps=70, t_end="14 ms", inputs=inputs)
+    said = next(item.words for item in report.items if item.name == "run")
+    assert said.startswith("fmpy: 70 steps to t = 0.014 s") and words in said
 
 
+@pytest.mark.long
 def test_an_input_is_given_in_the_unit_that_the_train_declares(tmp_path: Path) -> None:
     rig = gb.Drivetrain("driven")
     speed, tau = gb.Input("n", start=60.0, unit="rpm"), gb.Input("T", start=0.1, unit="kN m")

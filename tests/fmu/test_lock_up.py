@@ -60,6 +60,7 @@ def test_communication_steps_across_a_lock_up_lose_nothing(launch: gb.Drivetrain
     assert not rows[locked, 4].any() and not rows[locked, 5].any()  # slip and mode are 0 to the last bit
 
 
+@pytest.mark.long
 def test_the_grid_of_communication_points_changes_nothing(unpacked: Unpacked) -> None:
     grids = [np.arange(1, round(2.0 / h) + 1) * h for h in (1e-1, 1e-2, 1e-3)]
     grids.append(np.union1d(grids[0], [LOCK]))
@@ -70,6 +71,7 @@ def test_the_grid_of_communication_points_changes_nothing(unpacked: Unpacked) ->
         assert (np.abs(rows[at] - found[0]) <= 1e-5 * scale).all()  # ten times the tolerance
 
 
+@pytest.mark.long
 def test_a_state_saved_before_the_lock_up_gives_the_same_bits_again(unpacked: Unpacked) -> None:
     references = [v.valueReference for v in unpacked.description.modelVariables if v.causality == "output"]
     with Instance(unpacked) as instance:

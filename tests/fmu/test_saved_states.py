@@ -44,7 +44,10 @@ def _held() -> gb.Drivetrain:
     return rig
 
 
-@pytest.fixture(scope="module", params=["oscillator", "started from a state", "braked", "held", "stiff"])
+KINDS = ("oscillator", pytest.param("started from a state", marks=pytest.mark.long), "braked", "held", "stiff")
+
+
+@pytest.fixture(scope="module", params=KINDS)
 def fmu(
     request: pytest.FixtureRequest, model: Model, tmp_path_factory: pytest.TempPathFactory, unpacker: Unpacker
 ) -> Unpacked:
@@ -90,7 +93,7 @@ def test_one_flipped_bit_anywhere_is_noticed(fmu: Unpacked, phase: str) -> None:
         other.fmu.freeFMUstate(copy)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_bytes_that_are_cut_lengthened_or_no_state_are_refused(fmu: Unpacked) -> None:
     with Instance(fmu) as instance:
         instance.start()

@@ -123,6 +123,7 @@ EIGHT = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", [pytest.param(n, marks=[] if n in ("inertia", "coupled clutches") else pytest.mark.long) for n in EIGHT]
 )

@@ -48,6 +48,7 @@ def test_a_train_passes_every_check(rig: gb.Drivetrain, tmp_path: Path) -> None:
     assert max(difference for _, difference in report.differences) == 0.0
 
 
+@pytest.mark.long
 def test_fmpy_and_simulate_give_equal_bits(rig: gb.Drivetrain, tmp_path: Path) -> None:
     changed = {"mesh.backlash.half_gap": 40e-6, "speed": 450.0}
     path = fmu_export.export(rig, tmp_path / "rig.fmu", parameters=changed, initial={"motor.w": 50.0}, rtol=1e-8)

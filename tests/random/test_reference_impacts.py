@@ -96,6 +96,7 @@ def test_a_slider_that_an_impact_turns_round_for_an_instant_holds_for_that_insta
 
 @pytest.mark.parametrize(("depth", "w0"), [(0.05, 2.0), (0.02, 0.5), (0.1, -1.0)])
 @pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.few(2)
 def test_a_contact_in_which_a_run_begins_is_not_damped_until_it_has_ended(depth, w0, side):
     k, gap, e = 400.0, 0.1, 0.4
     fields = (("k", k), ("half_gap", gap), ("contact_damping", thing("HuntCrossley", restitution=e)))
@@ -177,7 +178,7 @@ def test_what_friction_does_not_hold_at_its_stop_is_struck_off_it(m, M, e, dry, 
 @pytest.mark.parametrize("e", [0.8, 0.4])
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("blocks", [("Freewheel", "Freewheel"), ("OneWayClutch", "Freewheel"), ("OneWayClutch",) * 2])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_what_two_locks_hold_both_ways_is_a_wall(e, side, blocks):
     locks = [
         Part(

@@ -74,6 +74,7 @@ METHODS = ("auto", "dp5", "dp8", "rodas")
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("make", "data", "signals"), CASES, ids=lambda x: getattr(x, "__name__", ""))
+@pytest.mark.few(8)
 def test_every_signal_is_that_of_the_reference(make, data, signals, method):
     path = DATA / f"modelica_{data}.csv"
     names = path.read_text(encoding="utf8").splitlines()[0].split(",")

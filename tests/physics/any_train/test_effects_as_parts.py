@@ -43,6 +43,7 @@ def test_a_bearing_without_all_of_its_friction_leaves_no_trace():
         assert gb.simulate(model, t=[0.0, 5.0])["rotor.w"][1] == W
 
 
+@pytest.mark.long
 def test_the_drag_of_a_fluid_slows_down_by_the_square_of_the_speed():
     c = 3e-3
     rig = _coasting(windage=gb.FluidDrag(c=c / 3), churning=gb.FluidDrag(c=2 * c / 3))
@@ -92,6 +93,7 @@ def test_a_worm_without_losses_is_an_ideal_gear():
     assert gb.build(free).program.switches == ()
 
 
+@pytest.mark.long
 def test_a_vehicle_loses_tyre_slip_drag_and_rolling_resistance_one_by_one():
     tyre = gb.TyreSlip(stiffness=1e5, grip=1.0, low_speed=0.5)
     car = gb.Vehicle(mass=1000.0, wheel_radius=0.3, drag_area=0.6, rolling=0.01, rolling_speed=0.1, tyre=tyre)
@@ -107,6 +109,7 @@ def test_a_vehicle_loses_tyre_slip_drag_and_rolling_resistance_one_by_one():
     assert run["wheels.alpha"][1] == pytest.approx(300 / 92, rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_shaft_without_segments_is_one_spring_between_two_halves_of_its_inertia():
     rig = gb.Drivetrain("long shaft")
     ends = [rig.add(n, gb.Inertia(J=0.1, phi0=p, w0=0.0)) for n, p in (("left", 0.01), ("right", 0.0))]

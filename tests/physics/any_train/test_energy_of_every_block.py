@@ -240,7 +240,7 @@ def _shown_torques(model, run):
 
 
 @pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.long) if n in MANY else n for n in CASES])
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 def test_stored_lost_and_supplied_energy_of_a_block_are_what_flows_through_it(name):
     case = CASES[name]
     model = gb.build(_train(case))
@@ -276,6 +276,7 @@ def test_stored_lost_and_supplied_energy_of_a_block_are_what_flows_through_it(na
 
 
 @pytest.mark.parametrize(("lower", "upper", "e"), [(-0.1, 0.1, 0.5), (-0.3, 0.05, 0.8), (-0.05, 0.02, 0.0)])
+@pytest.mark.few(1)
 def test_impacts_on_stops_lose_what_their_restitution_says(lower, upper, e):
     rig = gb.Drivetrain("stops")
     body, drive = rig.add("one", gb.Inertia(J=0.5)), rig.add("drive", gb.Torque(tau=3 + 20 * gb.sin(9 * T)))
@@ -289,6 +290,7 @@ def test_impacts_on_stops_lose_what_their_restitution_says(lower, upper, e):
         assert run.energy.dissipated["el"] == pytest.approx(lost, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("J", [(0.5, 2.0), (3.0, 0.1)])
 def test_a_dog_that_closes_loses_the_energy_of_the_difference(J):
     rig = gb.Drivetrain("dog")

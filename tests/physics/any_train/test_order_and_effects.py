@@ -50,6 +50,7 @@ def test_the_order_of_parts_does_not_change_the_motion(distance):
             assert distance(other[name], run[name]) < NEAR
 
 
+@pytest.mark.long
 def test_a_part_turned_round_gives_the_same_motion(distance):
     run, other = gb.simulate(_two_meshes(), t=T, rtol=1e-12), gb.simulate(_two_meshes(flip=True), t=T, rtol=1e-12)
     assert distance(other["wheel.w"], run["wheel.w"]) < NEAR
@@ -73,6 +74,7 @@ def test_a_train_without_compliance_is_rigid_and_known_in_closed_form():
     assert np.allclose(run["second.force"] * 0.018, -run["first.force"] * 0.03 - lay, rtol=1e-10)
 
 
+@pytest.mark.long
 def test_the_spline_chain_without_compliance_is_one_body():
     rig = gb.Drivetrain("P1")
     discs = [rig.add(f"disc{i}", gb.Inertia(J=J)) for i, J in enumerate((5e-3, 2e-4, 2e-4, 1e-2))]
@@ -123,6 +125,7 @@ def test_only_keeps_what_is_named_and_what_it_needs():
     assert set(rig.effects()) == set(_two_meshes().effects())  # the train itself is as before
 
 
+@pytest.mark.long
 def test_a_run_continued_from_an_earlier_one_is_one_run(distance):
     model = gb.build(_two_meshes())
     whole = gb.simulate(model, t=T, rtol=1e-12)

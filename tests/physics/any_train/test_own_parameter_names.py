@@ -97,6 +97,7 @@ class Half(gb.Block):
         yield gb.Acts(s.a, self._torque(s))
 
 
+@pytest.mark.long
 def test_a_number_called_as_in_the_catalogue_that_nothing_reads_is_a_start_value() -> None:
     model = gb.build(_alone(Plain(J=1.0)))
     run = gb.simulate(model, t_end=0.1)
@@ -129,6 +130,7 @@ def test_a_body_with_a_parameter_called_phi0_keeps_it_beside_its_start_angle() -
     np.testing.assert_allclose(moved["wheel.a.phi"], 1.25, rtol=1e-12)
 
 
+@pytest.mark.long
 def test_tied_to_an_inertia_the_start_values_are_those_of_the_inertia() -> None:
     rig = gb.Drivetrain("rig")
     wheel = rig.add("wheel", Flywheel(J=1.0, w0=0.0))
@@ -155,6 +157,7 @@ def test_a_mass_of_ones_own_with_a_parameter_called_v0_slides() -> None:
     np.testing.assert_allclose(run["sled.distance"], 2.0 + 2.0 * (1 - np.exp(-2.0 * T)), rtol=1e-9)
 
 
+@pytest.mark.long
 def test_declared_start_values_are_start_values_whatever_their_names() -> None:
     model = gb.build(_alone(Disc(J=1.0, begin=0.5, running=3.0)))
     run = gb.simulate(model, t=T)
@@ -187,6 +190,7 @@ def test_a_law_that_reads_a_start_value_of_its_body_is_refused() -> None:
         gb.build(_alone(Wound(J=1.0, begin=0.5)))
 
 
+@pytest.mark.long
 def test_a_ground_of_ones_own_holds_a_declared_start_angle() -> None:
     class Wall(gb.Block):
         flange = gb.Flange("wall")

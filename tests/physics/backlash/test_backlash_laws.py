@@ -54,6 +54,7 @@ def test_a_polynomial_gap_moves_as_derived_by_hand(gap, coefficients, reference,
     assert set(run.energy.supplied) == {"drive"}
 
 
+@pytest.mark.long
 def test_leaving_the_interval_of_a_polynomial_is_an_event_on_the_side_where_it_happens():
     rig = _rig(gb.Backlash(half_gap=B, law="polynomial", degree=5), amplitude=0.0, c=None)
     run = gb.simulate(rig, t_end=0.1, **TIGHT)
@@ -146,6 +147,7 @@ def test_teeth_with_their_own_gaps_move_as_derived_by_hand(reference, distance):
     assert len({e.component for e in located}) == 1, "one switch for all teeth"
 
 
+@pytest.mark.long
 def test_the_sample_of_the_reference_rests_where_its_closed_form_says():
     path = Path(__file__).parents[2] / "data" / "spline_engaged_teeth.json"
     case = json.loads(path.read_text())

@@ -34,7 +34,7 @@ def _rig(law, bound):
 
 @pytest.mark.parametrize("law", ["lash", "table", "condition"])
 @pytest.mark.parametrize("bound", [0.0, 0.3])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_it_bounces_and_comes_to_rest(law, bound):
     """J x'' = -PUSH - K x in flight: 2/w atan(v K/(w PUSH)) long."""
     model, random, own = gb.build(_rig(law, bound)), np.random.default_rng(3), math.sqrt(K / J)
@@ -63,7 +63,7 @@ SHORT = [
 
 
 @pytest.mark.parametrize(("first", "second", "phase", "rtol"), SHORT)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_flights_that_are_shorter_than_a_look_ahead_end(first, second, phase, rtol):
     """A light body on a soft shaft lets steps be long; flights of 1e-9 s end in a row of flips that seem to be in vain."""
     rig = gb.Drivetrain("short flights")

@@ -66,6 +66,7 @@ def test_what_a_wall_throws_back_hits_what_it_was_leaving(J, w, wall, between, r
     assert _energy(J, [run["one.w"][-1], run["two.w"][-1]]) <= _energy(J, w) * (1 + EXACT)
 
 
+@pytest.mark.long
 def test_a_freewheel_that_overruns_is_caught_by_what_comes_back():
     rig = gb.Drivetrain("freewheel")
     one, two = rig.add("one", gb.Inertia(J=2.0, w0=3.0)), rig.add("two", gb.Inertia(J=1.0, w0=1.0))

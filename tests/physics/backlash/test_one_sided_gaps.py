@@ -110,6 +110,7 @@ def test_four_gaps_in_a_loop_are_met() -> None:
         assert np.abs(run[f"{name}.s"] - positions).max() < 1e-6 * 0.05, name
 
 
+@pytest.mark.long
 def test_a_spring_rests_where_it_is_said() -> None:
     """x = rest + (x0 - rest) cos(w t) in closed form; the equilibrium lies at rest, energy is counted from there."""
     rig = gb.Drivetrain("free length")

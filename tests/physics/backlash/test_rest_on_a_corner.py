@@ -59,6 +59,7 @@ def _rig(rest, ratio, w):
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("rest", [_lash, _one_sided, _spline])
 @pytest.mark.parametrize(

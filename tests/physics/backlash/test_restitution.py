@@ -59,6 +59,7 @@ def test_the_damping_of_a_restitution_meets_its_condition_in_python_and_in_c():
         assert run["wall.force"][0] == pytest.approx(K * (x - B) * (1 + restitution_damping(e) * v / W), rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_motion_with_impacts_and_a_load_is_that_of_an_independent_integration(reference, distance):
     e = 0.6
     rig = _ball(e)
@@ -93,6 +94,7 @@ def test_a_motion_with_impacts_and_a_load_is_that_of_an_independent_integration(
     assert distance(run["ball.phi"], rows[first, 1]) < 1e-7
 
 
+@pytest.mark.long
 def test_gears_that_rattle_lose_speed_by_the_restitution():
     """The relative speed along the line of action of two free gears is turned round by -e."""
     e = 0.7

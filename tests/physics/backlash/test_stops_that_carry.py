@@ -32,6 +32,7 @@ def _rig(given):
 
 
 @pytest.mark.parametrize("given", ["angle", "speed", "acceleration"])
+@pytest.mark.few(1)
 def test_a_body_that_is_carried_moves_as_the_stop_until_it_lets_go(given):
     # an instant at which it was decided anew by a look ahead saw the stop strike at the speed that it has gained by then
     model, draw = gb.build(_rig(given)), np.random.default_rng(0)

@@ -38,7 +38,7 @@ def _rig(kind):
 
 @pytest.mark.parametrize(("kind", "ratio"), [("direct", 1.0), ("gear", -1 / 3), ("planetary", 1 / 3)])
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_striker_bounces_as_off_a_wall(kind, ratio, method):
     model, random = gb.build(_rig(kind)), np.random.default_rng(5)
     for _ in range(40):

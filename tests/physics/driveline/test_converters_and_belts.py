@@ -89,6 +89,7 @@ def test_a_creeping_belt_slips_in_proportion_to_its_torque(distance):
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.long
 def test_a_slow_belt_is_a_viscous_coupling(distance):
     ratio, c = 3.0, 2.0
     slow = gb.Creep(stiffness=c * 1e9, low_speed=1e9)

@@ -98,6 +98,7 @@ def test_a_small_rise_above_the_surroundings_is_not_lost_in_rounding():
     assert np.allclose(warm["oil.rise"], cold["oil.T"], rtol=1e-12, atol=0) and 0 < cold["oil.T"][-1] < 1e-5
 
 
+@pytest.mark.long
 def test_a_static_start_asks_no_heat_to_rest():
     rig = gb.Drivetrain("running")
     one, two = rig.add("one", gb.Inertia(J=1.0, w0=10.0)), rig.add("two", gb.Inertia(J=1.0, w0=10.0))
@@ -113,6 +114,7 @@ def test_a_static_start_asks_no_heat_to_rest():
 # -- laws that read the temperature -----------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_friction_that_fades_with_the_temperature_of_its_disc_is_that_of_scipy():
     mu = 0.4 * (1 - 2e-3 * (gb.temperature - T0))
     rig = _lock_up(mu, heat=gb.HeatPort(T="disc"), disc=gb.ThermalMass(C=30.0, T0=T0))
@@ -155,6 +157,7 @@ def test_an_eddy_current_brake_whose_disc_heats_up_is_that_of_scipy():
     assert abs(cold["wheel.w"][-1] / run["wheel.w"][-1] - 1) > 0.01
 
 
+@pytest.mark.long
 def test_a_temperature_that_is_a_number_is_a_parameter_that_the_law_follows():
     rig = gb.Drivetrain("brake")
     brake = gb.Brake(capacity=2.0 * (1 + 0.01 * (gb.temperature - 300.0)), heat=gb.HeatPort(T=300.0))
@@ -236,6 +239,7 @@ def test_a_heat_port_changes_no_bit_of_a_motion_that_does_not_read_it_at_fixed_s
     assert np.array_equal(plain["car.w"], hot["car.w"])
 
 
+@pytest.mark.long
 def test_heat_stays_inside_a_nested_train_and_survives_json(tmp_path):
     box = _lock_up(0.4, heat=gb.HeatPort(T="disc"), disc=gb.ThermalMass(C=50.0))
     whole = gb.Drivetrain("whole")

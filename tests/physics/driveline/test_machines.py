@@ -33,6 +33,7 @@ def test_an_eddy_current_brake_slows_down_along_its_law(way):
     assert run.energy.residual < 1e-10
 
 
+@pytest.mark.long
 def test_an_eddy_current_brake_on_a_housing_turns_it_along():
     rig = gb.Drivetrain("housing")
     a, b = rig.add("a", gb.Inertia(J=0.5, w0=50.0)), rig.add("b", gb.Inertia(J=0.25))
@@ -81,6 +82,7 @@ def test_an_engine_turns_by_its_map(reference, distance):
     assert run.energy.residual < 1e-10
 
 
+@pytest.mark.long
 def test_a_proportional_governor_leaves_its_droop(distance):
     gain, J, c, target = 0.05, 0.5, 0.2, 50.0
     rig = _chain(

@@ -60,6 +60,7 @@ def _geared(**damping):
     return rig
 
 
+@pytest.mark.long
 def test_the_damping_ratio_counts_all_inertia_tied_rigidly_to_its_ends(distance):
     left, right = 0.005 + 2.0**2 * 0.01, 0.03 + 0.1 / 1.5**2
     c = 2 * 0.1 * np.sqrt(1.0e4 / (1 / left + 1 / right))
@@ -81,6 +82,7 @@ def test_the_damping_ratio_follows_a_changed_parameter(distance):
     assert distance(run["shaft.torque"], explicit["shaft.torque"]) < NEAR
 
 
+@pytest.mark.long
 def test_the_ground_is_infinite_inertia_in_a_damping_ratio(distance):
     k, zeta, J = 900.0, 0.2, 4.0
     w, root = np.sqrt(k / J), np.sqrt(1 - zeta**2)
@@ -102,6 +104,7 @@ def test_a_damper_brings_two_inertias_to_their_common_speed(distance):
     assert run.energy.dissipated["shaft"] == pytest.approx(lost, rel=NEAR)
 
 
+@pytest.mark.long
 def test_a_shaft_pulls_towards_the_angle_at_which_the_ground_is_held(distance):
     rig = _on_ground(gb.Shaft(k=50.0), J=2.0).set({"ground.phi0": 0.25})
     t = np.linspace(0, 4, 101)
@@ -119,6 +122,7 @@ def test_negative_stiffness_departs_like_an_inverted_pendulum(distance):
         _on_ground(gb.Shaft(k=-4.0))
 
 
+@pytest.mark.long
 def test_a_stiffness_that_swings_in_time_is_the_mathieu_equation(distance, reference):
     t = np.linspace(0, 10, 201)
     run = gb.simulate(_on_ground(gb.Shaft(k=4 + sp.cos(3 * gb.time)), phi0=1.0), t=t, **TIGHT)
@@ -127,6 +131,7 @@ def test_a_stiffness_that_swings_in_time_is_the_mathieu_equation(distance, refer
     assert run.energy.residual < 1e-11  # 10 rtol: parametric work counts as supplied
 
 
+@pytest.mark.long
 def test_a_cubic_spring_swings_as_duffing_did(distance, reference):
     k = gb.Parameter("k3", 1e4)
     rig = _on_ground(gb.Shaft(torque=100 * gb.twist + k * gb.twist**3, c=0.05), w0=1.0)

@@ -42,6 +42,7 @@ def test_a_slope_pulls_with_the_weight_along_it():
     assert run.energy.supplied["car"] == pytest.approx((m + 1.0 / r**2) / 2 * speed[-1] ** 2, rel=1e-10)
 
 
+@pytest.mark.long
 def test_a_vehicle_with_fading_rolling_resistance_stands_still():
     rig = _chain(
         drive=gb.Torque(tau=gb.piecewise((0, gb.time < 1), (300, True))), wheels=gb.Inertia(J=1.0),
@@ -52,6 +53,7 @@ def test_a_vehicle_with_fading_rolling_resistance_stands_still():
     assert run["car.v"][2] > 2.0
 
 
+@pytest.mark.long
 def test_tyres_slip_by_what_their_force_asks(distance):
     m, r, area, stiffness = 1200.0, 0.3, 0.7, 8e4
     tyre = gb.TyreSlip(stiffness=stiffness, grip=0.9, low_speed=0.2)
@@ -153,6 +155,7 @@ def test_a_slope_over_the_way_gives_back_what_it_took():
     assert run["car.s"][-1] > 200.0 and run["car.v"][-1] == pytest.approx(v0, rel=1e-9)
 
 
+@pytest.mark.long
 def test_rolling_resistance_that_jumps_along_the_way_brakes_by_two_parabolas():
     m, r, v0, g = 800.0, 0.25, 15.0, 9.80665
     rolling = gb.Table([0.0, 100.0, 100.0, 200.0], [0.01, 0.01, 0.05, 0.05])(gb.distance)
@@ -209,6 +212,7 @@ def test_two_driven_axles_pull_as_one_of_twice_the_stiffness():
     assert b.energy.dissipated["tyre_front"] == pytest.approx(a.energy.dissipated["car"] / 2, rel=1e-9)
 
 
+@pytest.mark.long
 def test_an_axle_without_grip_spins_while_the_other_pulls():
     rig = gb.Drivetrain("ice at the rear")
     car = rig.add("car", gb.Chassis(mass=1000.0))
@@ -234,6 +238,7 @@ def test_a_trailer_is_pulled_by_its_share_of_the_force():
     assert abs(run["hitch.torque"][-1]) == pytest.approx(500.0 * a + resistance, rel=1e-10)
 
 
+@pytest.mark.long
 def test_a_chassis_stands_on_a_slope_that_its_rolling_resistance_holds():
     rig = gb.Drivetrain("parked")
     grade = gb.Table([0.0, 1.0, 2.0], [0.0, 0.0, 0.04])

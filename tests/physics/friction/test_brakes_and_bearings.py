@@ -31,6 +31,7 @@ def test_a_brake_stops_and_holds_a_load():
     assert run["brake.phi_rel"][-1] == pytest.approx(0.1, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_brake_on_a_turning_housing_acts_on_both():
     rig = gb.Drivetrain("brake")
     body, frame = rig.add("body", gb.Inertia(J=1.0, w0=8.0)), rig.add("frame", gb.Inertia(J=3.0))
@@ -43,6 +44,7 @@ def test_a_brake_on_a_turning_housing_acts_on_both():
     assert run["body.w"][-1] == run["frame.w"][-1] == pytest.approx(2.0, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_bearing_with_dry_and_viscous_friction_runs_down_to_rest():
     J, w0, coulomb, viscous = 0.5, 20.0, 0.4, 0.1
     rig = _chain(body=gb.Inertia(J=J, w0=w0), bearing=gb.BearingFriction(coulomb=coulomb, viscous=viscous))
@@ -65,6 +67,7 @@ def test_a_bearing_has_more_friction_near_rest():
     assert run["bearing.torque"][slips] == pytest.approx(1.0 + 0.5 * np.exp(-((w / 2.0) ** 2)) + 0.2 * w, rel=EXACT)
 
 
+@pytest.mark.long
 def test_a_bearing_takes_its_friction_from_a_table():
     table = gb.Table([0.0, 2.0, 10.0], [0.6, 0.3, 0.9])
     rig = _chain(body=gb.Inertia(J=1.0, w0=-8.0), bearing=gb.BearingFriction(torque=table))

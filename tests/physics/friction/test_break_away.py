@@ -132,6 +132,7 @@ def test_without_location_what_meets_its_speed_sticks_at_the_end_of_the_step():
     assert [after for _, after in _modes(run, "clutch")] == [0.0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("block", [gb.Clutch(capacity=gb.time - 0.2), gb.Clutch(capacity=gb.sin(gb.time - 0.2))])
 @pytest.mark.few(1)
 def test_a_clutch_whose_capacity_rises_from_below_zero_takes_hold(block):

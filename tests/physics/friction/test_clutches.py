@@ -46,6 +46,7 @@ def test_a_clutch_locks_when_and_as_hot_as_momentum_says(w1, w2, J2):
     assert run.energy.residual < 1e-12
 
 
+@pytest.mark.long
 def test_the_torque_of_a_clutch_is_that_on_its_second_flange():
     rig = _chain(one=gb.Inertia(J=1.0, w0=10.0), clutch=gb.Clutch(capacity=4.0), two=gb.Inertia(J=1.0))
     run = gb.simulate(rig, t=[0.1])
@@ -55,6 +56,7 @@ def test_the_torque_of_a_clutch_is_that_on_its_second_flange():
     assert run["clutch.mode"][0] == -1.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rtol", [pytest.param(1e-4, marks=pytest.mark.long), 1e-3])
 def test_a_stuck_clutch_does_not_creep_in_a_million_seconds(rtol):
     tau = 3.0 * gb.sin(0.7 * gb.time)
@@ -71,6 +73,7 @@ def test_a_stuck_clutch_does_not_creep_in_a_million_seconds(rtol):
     assert (np.abs(run["clutch.torque"][held]) <= 5.0).all()
 
 
+@pytest.mark.long
 def test_a_clutch_is_free_where_its_capacity_is_not_positive():
     capacity = gb.piecewise((-3.0, gb.time < 1), (0.0, gb.time < 2), (4.0, gb.time < 3), (-1.0, True))
     rig = _chain(one=gb.Inertia(J=1.0, w0=10.0), clutch=gb.Clutch(capacity=capacity), two=gb.Inertia(J=1.0))
@@ -108,6 +111,7 @@ def test_a_capacity_that_grazes_the_held_torque_does_not_let_go():
     assert len(_modes(run, "brake")) == 10  # slips at the start, in four dips and at the end
 
 
+@pytest.mark.long
 def test_friction_over_slip_stops_as_its_differential_equation_says():
     mu0, slope, force, J, w0 = 0.3, 0.02, 10.0, 0.5, 12.0
     mu = gb.Table([0.0, 20.0], [mu0, mu0 + 20 * slope])

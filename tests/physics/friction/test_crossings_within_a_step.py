@@ -31,6 +31,7 @@ def test_a_body_that_would_turn_back_for_a_moment_sticks_in_that_moment(depth):
     assert run["body.w"][-1] == pytest.approx(4.0, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("depth", [1e-2, pytest.param(1e-4, marks=pytest.mark.long), 1e-6])
 @pytest.mark.parametrize("end", [1.9, 2.3])
 @pytest.mark.few(1)

@@ -49,6 +49,7 @@ def _by_hand(capacity: Callable[[float], float], *, braked: bool = False) -> np.
     return np.array(run.y[:2])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_a_clutch_behind_a_damped_shaft_follows_the_clipped_torque(method: str) -> None:
     run = gb.simulate(_rig(gb.Clutch(capacity=15.0)), t=T, rtol=1e-9, method=method)
@@ -220,6 +221,7 @@ def test_a_row_whose_weakest_element_the_numbers_do_not_tell_is_refused(
         gb.build(_row(*elements))
 
 
+@pytest.mark.long
 def test_capacities_of_a_row_are_structural() -> None:
     rig = _row(gb.Clutch(capacity=15.0), gb.Clutch(capacity=20.0))
     with pytest.raises(gb.GearblocksError, match=r"'c1\.capacity'.*structural.*rig\.set"):

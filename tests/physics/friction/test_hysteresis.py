@@ -35,6 +35,7 @@ def test_a_loop_loses_four_frictions_times_its_slip_at_any_speed(friction, stiff
     assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 def test_below_its_slip_inner_friction_only_stiffens():
     rig = _driven(gb.Hysteresis(friction=10.0, stiffness=60.0), 0.1)
     run = gb.simulate(rig, t=np.linspace(0, 20, 101), rtol=1e-10)
@@ -42,6 +43,7 @@ def test_below_its_slip_inner_friction_only_stiffens():
     assert run.energy.dissipated["shaft"] == 0.0
 
 
+@pytest.mark.long
 def test_a_swing_against_dry_friction_loses_the_same_amount_in_every_half_turn():
     J, k, friction, x = 2.0, 50.0, 1.0, 0.25
     rig = gb.Drivetrain("swing")

@@ -46,6 +46,7 @@ def test_a_jump_with_a_width_holds_the_speed(method):
     assert run["j.w"][-1] == pytest.approx(0.999 + 0.002 * 2 / 3, rel=1e-6)  # where the line is 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["auto", pytest.param("dp5", marks=pytest.mark.long), "dp8", "rodas"])
 @pytest.mark.parametrize("torque", [0.0, pytest.param(20.0, marks=pytest.mark.long), -20.0])
 @pytest.mark.few(1)

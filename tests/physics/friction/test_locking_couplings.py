@@ -38,6 +38,7 @@ def test_a_freewheel_rectifies_an_oscillating_torque():
     assert (run["wheel.w_rel"] >= -1e-9).all()
 
 
+@pytest.mark.long
 def test_a_one_way_clutch_drives_forward_whatever_the_torque():
     clutch = gb.OneWayClutch(mu=0.5, force_max=1.0, engagement=0.0)
     rig = _chain(drive=gb.Torque(tau=1e6), one=gb.Inertia(J=1.0), clutch=clutch, two=gb.Inertia(J=3.0))

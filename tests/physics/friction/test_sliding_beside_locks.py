@@ -36,7 +36,7 @@ def _driven_through(lock, sense, w0, order=1):
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("lock", "sense"), [(lock, sense) for lock in LOCKS for sense in (1.0, -1.0)])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_lock_passes_on_what_holds_the_jump(lock, sense, method):
     t = np.array([0.0, 1.0, 3.0, 4.5, 6.0, 7.0])
     run = gb.simulate(_driven_through(lock, sense, 2.0, int(sense)), t=t, method=method, rtol=1e-9)

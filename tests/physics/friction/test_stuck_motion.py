@@ -63,7 +63,7 @@ def test_implicit_steps_carry_a_prescribed_speed_through_a_stuck_clutch_to_their
 
 
 @EVERY_METHOD
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_bodies_that_springs_pull_apart_stay_together_to_the_last_bit_while_stuck(options):
     def rig(**middle):
         return _chain(

@@ -46,7 +46,7 @@ def test_a_clutch_that_carries_next_to_nothing_changes_next_to_nothing(ratio, ot
 
 
 @pytest.mark.parametrize(("ratio", "other", "efficiency", "inertias"), TRAINS)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_one_that_carries_something_does_so_by_its_arm(ratio, other, efficiency, inertias):
     """Its torque acts by the difference of both ratios: as a drag of that size on a, as far as the gear passes on what its
     other side takes."""

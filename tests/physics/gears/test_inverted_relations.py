@@ -41,6 +41,7 @@ def test_two_rows_on_a_driven_carrier_whose_suns_are_both_gear_1(law):
     assert np.abs(run["out.w"] - w * (1 - law.m(-carrier) / law.m(chi))).max() < 1e-10 * w
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("law", "external"),
     [
@@ -74,6 +75,7 @@ def test_a_pair_driven_at_gear_2(law, external):
 STEEP = gb.RatioLaw.segments(0.4, 0.3, np.radians(200))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("law", [LINE, STEEP, WAVES], ids=["line", "steep", "waves"])
 @pytest.mark.few(1)

@@ -125,6 +125,7 @@ def test_without_losses_a_ramp_later_on_is_no_matter_of_step_sizes(springs, meth
     assert abs(run["driven.w"][-1] / _in_numpy(springs, same, begins, 1.0) - 1.0) < 20.0 * rtol
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("given", "first"),
     [
@@ -158,6 +159,7 @@ def test_start_speeds_follow_through_a_gear_behind_gains_that_vary(first, given)
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("ratio", "eta1", "peak", "tau"), [
     (2.0, 0.4, 1.3, 5.0), (2.0, 0.4, 1.3, -5.0), (3.0, 0.6, 1.5, 9.0), (2.5, 0.35, 2.0, 12.0)
 ])  # fmt: skip

@@ -88,6 +88,7 @@ def test_a_lossy_gear_at_rest_holds_between_what_both_directions_ask_for(rise, l
     assert run["two.w"][-1] == pytest.approx(speed * rise * (4.0 - t) ** 2 / 2, rel=1e-7)
 
 
+@pytest.mark.long
 @EVERY_METHOD
 def test_a_brake_behind_a_lossy_gear_holds_what_the_gear_leaves(options):
     """Both at rest: the gear keeps as much as it can, the brake the rest; in motion the gear loses its share."""
@@ -103,6 +104,7 @@ def test_a_brake_behind_a_lossy_gear_holds_what_the_gear_leaves(options):
     assert np.array_equal(run["three.w"], run["two.w"])
 
 
+@pytest.mark.long
 def test_a_self_locking_worm_at_rest_is_not_driven_by_its_wheel():
     worm = gb.LossyGear(ratio=30.0, efficiency=(0.3, -0.2))
     rig = _chain(

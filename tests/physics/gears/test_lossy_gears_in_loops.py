@@ -90,6 +90,7 @@ def test_a_spring_behind_gears_side_by_side_swings_as_behind_one_gear_of_their_m
     assert runs[0].stats.steps <= 1.2 * runs[1].stats.steps + 20
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tau", [5.0, -5.0])
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
 @pytest.mark.few(1)

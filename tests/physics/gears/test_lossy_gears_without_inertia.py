@@ -101,6 +101,7 @@ def test_it_is_the_limit_of_vanishing_inertias(order: str, loss: str) -> None:
         assert np.abs(run[body] - (4 * second - first) / 3).max() < 1e-6 * np.abs(run[body]).max()
 
 
+@pytest.mark.long
 def test_start_angles_pass_through_a_lossy_gear_to_the_shaft_behind_it() -> None:
     rig = gb.Drivetrain("wound up")
     one, other = rig.add("one", gb.Inertia(J=0.3, phi0=0.5)), rig.add("other", gb.Inertia(J=0.5))
@@ -158,6 +159,7 @@ def test_a_lossy_gear_beside_a_clutch_is_refused_and_the_small_inertia_it_asks_f
     assert len(runs[2].events) > 4 and runs[2].stats.steps < 1.2 * runs[0].stats.steps
 
 
+@pytest.mark.long
 def test_a_start_angle_passed_through_a_lossy_gear_is_one_parameter() -> None:
     rig = gb.Drivetrain("one start")
     motor, box = (

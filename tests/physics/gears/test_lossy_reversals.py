@@ -163,6 +163,7 @@ def test_the_efficiencies_of_a_worm_are_those_of_an_inclined_plane(lead, mu):
     )
 
 
+@pytest.mark.long
 def test_a_wheel_that_drives_its_worm_loses_what_the_inclined_plane_says():
     worm = gb.Worm(ratio=20.0, lead_angle=0.3, friction=0.05)
     rig = _train(0.0, 30.0, J=(0.01, 2.0), w0=1.0, ratio=20.0, gear=worm)
@@ -172,6 +173,7 @@ def test_a_wheel_that_drives_its_worm_loses_what_the_inclined_plane_says():
     assert run["two.w"][-1] == pytest.approx(1.0 + 30.0 / (2.0 + 0.01 * 20.0**2 / eta2), rel=1e-10)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("place", "told"),
     [

@@ -39,6 +39,7 @@ def _acceleration(table, ratio, tau, load, w, inertia=J1):
     return found[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("table", [STEEP, THREE, LATE], ids=["steep", "three", "late"])
 @pytest.mark.parametrize("w0", [21.3, -21.3, 4.0, -0.7])
 @pytest.mark.parametrize(("ratio", "tau", "load"), [(-1.0, -2.4, 0.0), (0.25, 3.0, -1.0), (4.0, 0.0, 5.0)])

@@ -50,6 +50,7 @@ def _rates(stiffness, error=lambda t, y: (0.0, 0.0), pinion_extra=lambda t, y, x
     return rates
 
 
+@pytest.mark.long
 def test_a_stiffness_driven_by_time_follows_its_frequency_and_phase(reference, distance):
     w, phase = 2500.0, 0.7
     variation = gb.Fourier(cos=COS, sin=SIN, driven_by=w, phase=phase)

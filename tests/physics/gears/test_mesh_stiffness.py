@@ -57,6 +57,7 @@ def test_the_stiffness_of_the_standard_follows_its_parameters_without_a_new_mode
         assert run["mesh.stiffness"][0] == pytest.approx(mesh_stiffness(ToothPair(*Z, **shape), width), rel=1e-13)
 
 
+@pytest.mark.long
 def test_an_internal_pair_has_the_stiffness_against_a_rack():
     run = gb.simulate(_rig(external=False, k=None, stiffness="iso6336", face_width=0.02), t=[0.0])
     assert run["mesh.stiffness"][0] == pytest.approx(mesh_stiffness(ToothPair(Z[0], -73, M, A), 0.02), rel=1e-13)

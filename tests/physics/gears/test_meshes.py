@@ -119,6 +119,7 @@ def test_a_vanishing_gap_gives_the_linear_mesh(distance):
     assert distance(damped["mesh.deflection"], linear["mesh.deflection"]) < NEAR
 
 
+@pytest.mark.long
 def test_the_answer_tends_to_the_linear_mesh_as_the_gap_shrinks(distance):
     linear = gb.simulate(_mesh(True, False, c=C), t=T, **TIGHT)["mesh.deflection"]
     model = gb.build(_mesh(True, False, c=C, backlash=gb.Backlash(half_gap=1e-6), contact_damping="always"))
@@ -188,6 +189,7 @@ def test_damping_in_the_gap_acts_as_its_name_says(choice, reference, distance):
         assert np.all(force[np.abs(x) < b] == 0)
 
 
+@pytest.mark.long
 def test_the_laws_of_damping_differ():
     t = np.linspace(0, 6, 241)
     ends = {
@@ -198,6 +200,7 @@ def test_the_laws_of_damping_differ():
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("external", [True, False], ids=["external", "internal"])
 @pytest.mark.few(1)
 def test_a_mesh_without_compliance_is_the_rigid_pair(external):

@@ -61,7 +61,10 @@ def behind_a_shaft(order):
     return _train(parts, ("m", "shaft", "n", "gear", "s", "held"), order), 2.0 / 3.0
 
 
-@pytest.mark.parametrize("held", [worm, mild, both_sides, two_gears, behind_a_shaft])
+LONG = [pytest.param(held, marks=pytest.mark.long) for held in (mild, behind_a_shaft)]
+
+
+@pytest.mark.parametrize("held", [worm, both_sides, two_gears, *LONG])
 def test_a_load_that_just_exceeds_what_is_held_behind_a_lossy_gear_lets_go_when_it_does(held):
     # what is held in front of a gear is that behind it over ratio and efficiency; a shaft passes it on as well as rtol
     draw = random.Random(3)
@@ -76,7 +79,7 @@ def test_a_load_that_just_exceeds_what_is_held_behind_a_lossy_gear_lets_go_when_
         assert away and abs(away[0] - math.asin(1.0 / share)) < late / math.sqrt(share - 1.0), (share, rtol, away)
 
 
-@pytest.mark.parametrize("held", [worm, mild, both_sides, two_gears])
+@pytest.mark.parametrize("held", [worm, both_sides, two_gears, LONG[0]])
 def test_a_load_that_stays_below_lets_nothing_go(held):
     rig, most = held(random.Random(4))
     run = gb.simulate(rig, t_end=20.0, parameters={"size": most * (1 - 1e-6)}, rtol=1e-6)

@@ -78,6 +78,7 @@ def test_the_torques_of_a_pair_balance_about_the_axis_and_lose_no_power(law, ext
     assert run.energy.residual < 1e-8
 
 
+@pytest.mark.long
 @LAWS
 @pytest.mark.few(1)
 def test_a_free_pair_keeps_its_energy_though_its_stiffness_turns_with_the_driver(law):
@@ -110,6 +111,7 @@ def test_a_fitted_law_moves_the_pair_as_the_closed_form_does():
         assert np.abs(runs[0][name] - runs[1][name]).max() < 1e-7 * np.abs(runs[0][name]).max()
 
 
+@pytest.mark.long
 def test_circles_are_a_shaft_between_equal_turns():
     gear = gb.simulate(_rig(gb.RatioLaw.ellipse(0.0), c=0.01), t=T, rtol=1e-10)
     rig = gb.Drivetrain("shaft")
@@ -257,6 +259,7 @@ def test_a_stiff_pair_comes_to_the_rigid_one(law):
     assert distance[1] < 0.3 * distance[0]  # a deflection M/k, a tenth of it with ten times the stiffness
 
 
+@pytest.mark.long
 def test_a_moving_phase_turns_the_driven_gear():
     """Driver and carrier at rest: gear 2 turns by F of the phase alone, which does the work."""
     rig = gb.Drivetrain("phase")

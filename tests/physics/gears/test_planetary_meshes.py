@@ -49,6 +49,7 @@ def test_planets_share_the_load_and_the_ring_takes_the_reaction(planets):
     assert run["ground.torque"][0] == pytest.approx(10.0 * zr / zs, rel=1e-6)
 
 
+@pytest.mark.long
 def test_a_stiff_set_turns_with_the_ratio_of_its_teeth():
     rig = _rig(_gear()).set({"drive.tau": 12.0})
     run = gb.simulate(rig, t=[0.5], rtol=1e-9)

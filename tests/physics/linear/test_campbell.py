@@ -29,13 +29,13 @@ def _geared_pair():
 
 def test_orders_follow_from_the_teeth_and_cross_where_they_should():
     rig = _geared_pair()
-    speeds = gb.rpm(np.linspace(10, 30000, 31))
+    speeds = gb.rpm(np.linspace(10, 30000, 11))
     found = gb.campbell(rig, "motor.w", speeds)
     assert found.orders == pytest.approx({
         "shaft of motor, pinion": 1.0, "shaft of wheel": 23 / 41, "teeth of mesh": 23.0
     }, rel=1e-8)  # fmt: skip
     swinging = gb.modes(rig).frequencies[1:]
-    assert found.frequencies == pytest.approx(np.tile(swinging, (31, 1)), rel=1e-6)
+    assert found.frequencies == pytest.approx(np.tile(swinging, (11, 1)), rel=1e-6)
     mesh = [c for c in found.crossings if c.order == "teeth of mesh"]
     assert [c.speed for c in mesh] == pytest.approx(swinging / 23, rel=1e-6)
     assert [c.mode for c in mesh] == [1, 2]
@@ -73,7 +73,7 @@ def test_every_tool_draws_a_picture(tmp_path):
     ("ring", "sun", 42 * 78 / (42 + 78)), ("sun", "ring", 42 * 78 / (42 + 78)), ("carrier", "sun", 42.0),
 ])  # fmt: skip
 @pytest.mark.parametrize("nested", [False, True], ids=["whole", "nested"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_planetary_set_has_the_order_of_the_teeth_that_pass_its_carrier(held, driven, order, nested):
     rig, mesh = gb.Drivetrain("set"), gb.MeshLaw(k=3e8, c=500.0)
     gear = gb.PlanetaryGear(

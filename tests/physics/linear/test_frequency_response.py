@@ -48,6 +48,7 @@ def test_a_response_without_bound_is_refused():
 # -- prescribed motions, shafts without inertia ------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_body_that_a_filtered_speed_shakes_answers_as_the_formula_says():
     J, k, c, cut = 0.5, 200.0, 1.5, 50.0
     rig = gb.Drivetrain("shaken")
@@ -65,6 +66,7 @@ def test_a_body_that_a_filtered_speed_shakes_answers_as_the_formula_says():
         assert np.abs(matrices.A - np.array(true)).max() < 1e-12 * k / J
 
 
+@pytest.mark.long
 def test_a_support_that_time_moves_carries_like_the_ground():
     J, k, c = 0.5, 200.0, 1.5
     w = np.logspace(0, 3, 7)

@@ -57,6 +57,7 @@ def test_two_discs_swing_at_the_known_frequency_and_damping():
     assert found.strain == pytest.approx(np.array([[0.0], [1.0]]), abs=1e-12)
 
 
+@pytest.mark.long
 def test_gears_carry_inertia_over_by_the_square_of_their_ratio():
     rig = gb.Drivetrain("geared")
     a, b, c = (rig.add(n, gb.Inertia(J=j)) for n, j in zip("abc", (0.01, 0.02, 0.3), strict=True))

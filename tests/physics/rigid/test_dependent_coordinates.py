@@ -8,6 +8,7 @@ import gearblocks as gb
 NEAR = 1e-8  # hundreds of steps at rtol 1e-12
 
 
+@pytest.mark.long
 def test_three_inertias_in_a_triangle_of_springs(reference, distance):
     J, k, c, b = (1.0, 2.0, 3.0), (100.0, 150.0, 220.0), 0.4, 0.05
     rig = gb.Drivetrain("triangle")

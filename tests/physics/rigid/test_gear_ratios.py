@@ -84,6 +84,7 @@ def test_redundant_ties_that_agree_are_accepted():
     assert run["a.alpha"][0] == pytest.approx(1 / (1 + 1 / 4 + 1 / 36), rel=EXACT)
 
 
+@pytest.mark.long
 def test_two_ways_from_the_motor_to_one_wheel_agree_in_whole_teeth_only():
     def layshaft(z):
         rig = gb.Drivetrain("layshaft")
@@ -135,6 +136,7 @@ def test_start_values_that_contradict_through_ties_are_refused_naming_both():
         gb.simulate(_train(gb.IdealGear(ratio=2.25)), t=[0.0], initial={"motor.w": 4.0, "wheel.w": 3.0})
 
 
+@pytest.mark.long
 def test_contradicting_start_values_are_refused_after_agreeing_ones_were_built():
     rig = _train(gb.IdealGear(ratio=2.0)).set({"motor.w0": 4.0, "wheel.w0": 2.0})
     gb.build(rig)

@@ -25,6 +25,7 @@ def test_an_acceleration_that_jumps_gives_speed_angle_and_the_torque_that_it_ask
     assert run.energy.residual < 1e-13
 
 
+@pytest.mark.long
 def test_an_acceleration_may_be_an_input_and_act_on_a_slider():
     rig = gb.Drivetrain("sled")
     rig.chain(
@@ -123,6 +124,7 @@ def test_a_table_jumps_where_an_x_stands_twice():
         assert run["drive.torque"] == pytest.approx([0.0, 3.0, -1.0, -1.0])
 
 
+@pytest.mark.long
 def test_a_table_over_a_speed_may_jump_too():
     rig = gb.Drivetrain("rig")
     law = gb.Table([0.0, 5.0, 5.0, 10.0], [2.0, 2.0, 1.0, 1.0])

@@ -30,7 +30,7 @@ def _distance(run, rigid):
     ("method", "rtol", "damping_ratio"),
     [("rodas", 1e-8, 0.1), ("auto", 1e-8, 0.1), ("auto", 1e-7, 0.1), ("auto", 1e-8, 0.2), ("auto", 1e-9, 0.2)],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_motion_tends_to_that_of_the_rigid_ties_and_the_steps_stay_as_many(method, rtol, damping_ratio):
     rigid = gb.simulate(_rig(1.0).without("shaft.*", "mesh.*"), t=T, watch=False, rtol=1e-10, method="dp8")
     model, steps = gb.build(_rig(1.0, damping_ratio)), {}

@@ -88,6 +88,7 @@ def test_shafts_without_inertia_that_are_damped_against_each_other_hang_on_a_spr
     assert abs(run.energy.residual) < 1e-9
 
 
+@pytest.mark.long
 def test_an_inertia_of_zero_is_part_of_the_structure() -> None:
     model = gb.build(_split(2, 0.5, empty=True))
     with pytest.raises(gb.ParameterError, match=r"disc0\.J"):

@@ -71,6 +71,7 @@ def test_a_plain_dict_keeps_its_meaning() -> None:
     assert (run["pinion.w"][0], run["wheel.w"][0]) == (0.0, 0.0)
 
 
+@pytest.mark.long
 def test_angles_turn_along_too() -> None:
     run = gb.simulate(_eight(), t_end=1e-4, initial=gb.rolling({"wheel.phi": 0.3}))
     assert run["pinion.phi"][0] == run["motor.phi"][0] == pytest.approx(-0.3 * 41 / 23, rel=1e-14)
@@ -79,6 +80,7 @@ def test_angles_turn_along_too() -> None:
     assert own["wheel.phi"][0] == pytest.approx(-0.5 * 23 / 41, rel=1e-14)
 
 
+@pytest.mark.long
 def test_contradictions_are_refused_by_name() -> None:
     rig = gb.build(_eight())
     with pytest.raises(
@@ -228,6 +230,7 @@ def test_starts_that_nothing_gives_are_listed() -> None:
     assert told[1].startswith(f"a blow of {blow:.3g} N m on 'front' at the start")
 
 
+@pytest.mark.long
 def test_the_first_body_of_a_free_train_begins_at_the_angle_zero() -> None:
     """Where no angle is given: the others are turned by the rests of the shafts between."""
     rig = gb.Drivetrain("free")

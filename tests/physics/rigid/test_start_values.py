@@ -45,6 +45,7 @@ def test_the_angle_that_springs_give_a_shaft_without_inertia_cannot_be_given_oth
     assert gb.simulate(rig.set({"node.phi0": 0.2}), t_end=0.01)["node.phi"][0] == pytest.approx(0.2, abs=1e-15)
 
 
+@pytest.mark.long
 def test_start_values_that_nobody_gives_follow_from_given_ones_through_ties_and_prescribed_speeds() -> None:
     """Sun and ring turn as given; the carrier, driven 3 rad/s faster than the arm, takes the arm along."""
     rig = gb.Drivetrain("arm")

@@ -60,6 +60,7 @@ BLOCKS = {
 }  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "between", ["spring", *(pytest.param(name, marks=pytest.mark.long) for name in ("lash", "damper"))]
 )
@@ -111,6 +112,7 @@ def test_a_mass_on_a_spring_is_held_by_the_ground_at_its_place() -> None:
     assert (swing["a.s"][0], swing["a.v"][0]) == (0.5, -1.0)
 
 
+@pytest.mark.long
 def test_a_slider_is_led_by_a_prescribed_position_or_speed(distance):
     t = np.linspace(0, 2, 41)
     weight, spring = gb.Mass(m=2.0), gb.Shaft(k=300.0)
@@ -130,6 +132,7 @@ def test_equations_of_a_slider_are_in_its_letters() -> None:
     assert "F_spring = k_spring x_spring" in text
 
 
+@pytest.mark.long
 def test_masses_that_become_one_keep_the_first_position() -> None:
     rig = _chain("line", a=gb.Mass(m=2.0, s0=0.3), e=gb.Shaft(k=5.0), b=gb.Mass(m=1.0, s0=0.1)).without("e.compliance")
     assert rig.dropped == ("e.compliance", "b.s0")
@@ -223,6 +226,7 @@ def test_a_slider_that_is_neither_is_refused() -> None:
         gb.Flange("rope", slider="yes")  # type: ignore[arg-type]
 
 
+@pytest.mark.long
 def test_a_train_with_sliders_survives_its_file(tmp_path: Path) -> None:
     rig = _wheel()
     rig.connect(rig.add("push", gb.Force(f=gb.Input("f", unit="N"))).flange, FlangeHandle(rig, "mass", "a"))

@@ -18,7 +18,7 @@ def _chain(**blocks: gb.Block) -> gb.Drivetrain:
 @pytest.mark.parametrize(
     "angle", [0.0, 0.3, pytest.param(-0.3, marks=pytest.mark.long), pytest.param(1.2, marks=pytest.mark.long)]
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_the_tie_of_a_universal_joint_is_that_of_its_cross(angle, phase):
     import sympy as sp
 

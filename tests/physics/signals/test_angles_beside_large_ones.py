@@ -45,7 +45,7 @@ ORDERS = [
 
 @pytest.mark.parametrize("between", ["shaft", "gear"])
 @pytest.mark.parametrize("order", ORDERS, ids=["-".join(order) for order in ORDERS])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_what_turns_far_leaves_no_rounding_in_the_angles_of_others(order, between):
     """Modes of J phi'' = 1 - (1 + 3) phi + 3 psi, J psi'' = 3 phi - 3 psi, from rest."""
     run = gb.simulate(_rig(order, between), t=np.linspace(0.0, 10.0, 101), rtol=1e-12, outputs=["*.phi"])

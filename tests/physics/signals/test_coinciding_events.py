@@ -42,7 +42,7 @@ def test_steps_of_a_table_are_taken_where_a_located_switch_falls_on_them():
 @pytest.mark.parametrize(
     "period", [0.3, *(pytest.param(x, marks=pytest.mark.long) for x in (0.7, 1.1)), math.tau, 1e-3]
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_periodic_table_over_an_angle_is_passed_turn_by_turn(period):
     rig = gb.Drivetrain("saw")
     saw = gb.Table([0.0, 0.3 * period, 0.6 * period, period], [0.0, 1.0, -1.0, 0.0], periodic=True)(

@@ -21,6 +21,7 @@ def crank(tau, *, w0, J=1.0, drag=None):
     return gb.build(rig)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", [*METHODS, "auto"])
 @pytest.mark.few(1)
 def test_the_gas_torque_of_a_crank_acts_in_every_turn(method, reference):

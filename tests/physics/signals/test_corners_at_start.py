@@ -89,6 +89,7 @@ def test_it_is_so_at_the_corners_of_later_turns(law, phi0):
     assert run["body.w"][-1] == pytest.approx(0.5, rel=2e-5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("settings", SETTINGS, ids=str)
 @pytest.mark.parametrize("w0", [0.0, 2.0, -2.0])
 @pytest.mark.few(1)
@@ -101,6 +102,7 @@ def test_a_size_over_an_angle_keeps_the_energy_of_its_potential(w0, settings):
     assert w**2 / 2 == pytest.approx(w0**2 / 2 + potential, abs=30.0 * settings.get("rtol", 1e-6) * max(w**2, 1.0))
 
 
+@pytest.mark.long
 def test_a_side_that_waits_for_a_push_is_chosen_with_it():
     """At rest on the corner until the push comes; then away from it at once."""
     push = gb.piecewise((0, TIME < 0.3), (0.5, True))
@@ -115,6 +117,7 @@ def test_a_body_that_stands_on_the_corner_stays_there():
     assert not run.events
 
 
+@pytest.mark.long
 def test_parameters_decide_whether_it_touches():
     level, size = gb.Parameter("level", 1.0), gb.Parameter("size", 1.0)
     model = _train(gb.piecewise((3, size * gb.cos(5 * TIME) >= level), (1, True)))

@@ -66,6 +66,7 @@ def _last_angle(springs, tau, name, damping):
     return y[n - 1]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("springs", [*(pytest.param(n, marks=pytest.mark.long) for n in (2, 3)), 5])
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.few(1)

@@ -62,6 +62,7 @@ def test_a_motor_with_a_current_answers_like_its_two_equations(reference, distan
     )  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_speed_control_with_proportional_and_integral_part(reference, distance):
     J, k, c, kp, ki, target = (0.02, 0.3), 500.0, 0.5, 0.8, 4.0, 30.0
     rig = gb.Drivetrain("control")
@@ -113,6 +114,7 @@ def test_a_relay_on_a_sensed_speed_switches_at_its_threshold():
     assert [e.t for e in run.events] == pytest.approx([1.5], rel=1e-13)
 
 
+@pytest.mark.long
 def test_a_sense_may_read_an_output_that_reads_another():
     rig = gb.Drivetrain("in a row")
     body = rig.add("body", gb.Inertia(J=1.0))

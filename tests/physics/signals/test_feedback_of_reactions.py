@@ -35,7 +35,7 @@ def _with_sum(path, middle, *, behind=None):
 # -- integrals that are known ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "middle",
     [

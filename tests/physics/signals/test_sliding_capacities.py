@@ -33,7 +33,7 @@ ELEMENTS = {
 
 @pytest.mark.parametrize("name", ["capacity", "engagement"])
 @pytest.mark.parametrize("order", [1, -1])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_brake_that_is_stronger_above_a_speed_holds_it(name, order):
     # 1.5 rad/s2 up to 2 s, then 2 N m at 3 rad/s for 2 s
     for method in ("auto", "dp5", "dp8", "rodas"):

@@ -50,6 +50,7 @@ def test_a_mesh_phase_is_right_at_a_start_angle_of_many_turns(teeth: tuple[int, 
     assert run["pinion.phi"][0] == pytest.approx(phi, rel=3e-16)
 
 
+@pytest.mark.long
 def test_a_mesh_phase_is_right_after_ten_million_turns_of_a_run() -> None:
     w = 52359.8
     t = np.linspace(0.0, 2 * np.pi * 1e7 / w, 101)

@@ -127,6 +127,7 @@ def test_a_jump_that_nothing_announces_stops_no_step_over_a_gain_that_bends(meth
     assert run.stats.steps < 5 * smooth.stats.steps
 
 
+@pytest.mark.long
 def test_what_is_no_error_of_steps_makes_no_run_longer():
     """A callable that jumps unannounced costs energy that shorter steps do not bring back."""
     rig = gb.Drivetrain("jumps")
@@ -166,6 +167,7 @@ def test_a_body_that_switches_drive_faster_and_faster_has_the_energy_that_its_an
 
 
 @pytest.mark.parametrize(("J", "torque", "pace", "end"), [(0.1, 4.0, 3, 3.0), (0.05, 2.0, 2, 4.0)])
+@pytest.mark.few(1)
 def test_a_torque_that_touches_zero_over_the_angle_drives_as_much_as_it_says(J, torque, pace, end):
     """The turnover grows all the time, and the corners' errors add up one way (14 and 11 tolerances)."""
     rig = gb.Drivetrain("rig")

@@ -91,6 +91,7 @@ def test_growth_to_infinity_in_finite_time_is_named_as_such(power, method):
     assert caught.value.time == pytest.approx(1 / (power - 1), rel=1e-5)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("feed", ["speed", "angle", "resonance"])
 @pytest.mark.few(1)
 def test_growth_without_end_stops_before_numbers_do(feed):

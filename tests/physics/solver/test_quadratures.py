@@ -124,6 +124,7 @@ def _antiderivative(nodes):
     return np.array([[b.integ(lbnd=-1)(x) for b in basis] for x in nodes])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("load", [pytest.param("damper", marks=pytest.mark.long), "two dampers", "eddy currents"])
 @pytest.mark.parametrize(("method", "rtol"), [*CASES, ("dp8", 1e-8), ("dp8", 1e-9), ("dp8", 1e-11), ("auto", 1e-10)])
 @pytest.mark.few(1)

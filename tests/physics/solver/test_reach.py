@@ -32,7 +32,7 @@ def test_within_its_reach_the_estimate_covers_the_error_and_beyond_it_does_not()
 
 @pytest.mark.parametrize("method", ["dp8", "dp5", "auto"])
 @pytest.mark.parametrize(("J", "k", "c"), [(1e-3, 50.0, 2.0), (4e-4, 8.0, 0.6), (2e-3, 1e4, 6.0)])
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_light_inertia_in_a_strong_damper_is_right_between_the_steps(method, J, k, c):
     """A slow inertia drives a light one through a shaft; to the ground it has a damper, whose rate c/J holds explicit steps."""
     rig = gb.Drivetrain("light")
@@ -63,7 +63,7 @@ GROWING = [
 
 @pytest.mark.parametrize("method", ["dp8", "auto"])
 @pytest.mark.parametrize(("J", "k", "c", "pace", "power", "rtol", "size"), GROWING)
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_steps_that_are_held_back_are_right_inside_while_what_they_follow_grows(
     method, J, k, c, pace, power, rtol, size, reference
 ):

@@ -37,7 +37,7 @@ def _rig(pair):
 
 @pytest.mark.parametrize("pair", ["external", "internal", "joint"])
 @pytest.mark.parametrize("rtol", [1e-5, 1e-8])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_nothing_moves_until_the_brake_gives_way(pair, rtol):
     run = gb.simulate(_rig(pair), t_end=0.6, method="rodas", rtol=rtol)
     right = gb.simulate(_rig(pair), t_end=0.6, method="dp8", rtol=1e-11)

@@ -131,7 +131,7 @@ def _governor_rates(t, y):
 
 
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas", "auto"])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_conditions_on_speeds_tables_and_inputs_change_between_stages(method):
     t = np.linspace(0.0, 1.0, 51)
     marks = gb.Table([0.0, 0.4, 1.0], [0.0, 1.0, 1.0], "step")

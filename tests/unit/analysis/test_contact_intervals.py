@@ -66,6 +66,7 @@ def test_points_of_a_table_are_no_losses_of_contact_in_a_study() -> None:
     assert study.values[1, 2] > 5
 
 
+@pytest.mark.long
 def test_impacts_of_a_rigid_stop_close_it(tmp_path: Path) -> None:
     rig = gb.Drivetrain("bounce")
     ball, wall = rig.add("ball", gb.Mass(m=1.0, s0=1.0)), rig.add("wall", gb.HardStop(lower=0.0, restitution=0.5))

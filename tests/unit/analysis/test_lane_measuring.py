@@ -76,6 +76,7 @@ def test_start_values_and_fixed_parameters_count():
         assert float(np.asarray(found["peak(mesh.force)"])[i]) == pytest.approx(run["mesh.force"].max(), rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "quantity", "more"),
     [

@@ -57,7 +57,7 @@ def grown(draw, depth):
 
 
 @pytest.mark.parametrize("seed", range(12))
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_bits_are_those_of_expressions_written_out(seed):
     draw = random.Random(seed)
     base = grown(draw, 3)

@@ -79,6 +79,7 @@ def test_put_in_again_the_symbols_are_what_they_stand_for():
     assert slope in after.terms[0].free_symbols
 
 
+@pytest.mark.long
 def test_displays_of_a_notebook_fit_pages():
     for rig in (planets("waves"), planets("tables", nested=True)):
         displays = re.findall(r"\\begin\{align\*\}\n(.*?)\n\\end\{align\*\}", rig.equations()._repr_latex_(), re.DOTALL)
@@ -87,6 +88,7 @@ def test_displays_of_a_notebook_fit_pages():
         assert not any("notag" in x or r"\\*" in x for x in displays)
 
 
+@pytest.mark.long
 def test_pages_end_between_the_equations_of_an_article_and_not_within_them():
     latex = planets("waves").equations().latex()
     assert latex.split("\n")[1] == r"\begingroup\allowdisplaybreaks"

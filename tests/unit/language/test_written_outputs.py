@@ -36,6 +36,7 @@ def _assert_known(train: Train) -> int:
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
+@pytest.mark.few(15)
 def test_outputs_of_the_example_of_a_block_are_known(kind: type[gb.Block]) -> None:
     scope: dict[str, Any] = {"gb": gb}
     composed = "\n".join(line for line in EXAMPLES[kind].splitlines() if "gb.simulate" not in line)

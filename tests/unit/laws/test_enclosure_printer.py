@@ -83,7 +83,7 @@ def _enclosed(library, i, x, y):
 
 
 @pytest.mark.parametrize("i", range(len(EXPRESSIONS)), ids=lambda i: str(EXPRESSIONS[i])[:40])
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 def test_values_and_rates_over_a_box_lie_in_its_enclosure(library, i):
     rng = np.random.default_rng(i)
     for _ in range(300):

@@ -71,6 +71,7 @@ MANY = ("tooth friction, drive, 0.1", "tooth friction, coast, None")
 @pytest.mark.parametrize(
     "block", [pytest.param(b, id=n, marks=[pytest.mark.long] * (n in MANY)) for n, b in PASSIVE.items()]
 )
+@pytest.mark.few(8)
 def test_a_passive_block_supplies_nothing(block):
     assert _law(block).supplied is None
 

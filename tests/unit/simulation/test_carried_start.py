@@ -37,6 +37,7 @@ def test_a_start_that_serves_both_trains_stays_as_it_is() -> None:
     assert found is None
 
 
+@pytest.mark.long
 def test_shafts_that_become_one_keep_their_momentum() -> None:
     rig = gb.Drivetrain("two discs")
     left, right = rig.add("left", gb.Inertia(J=2.0, w0=3.0)), rig.add("right", gb.Inertia(J=1.0, w0=-1.5))
@@ -47,6 +48,7 @@ def test_shafts_that_become_one_keep_their_momentum() -> None:
     assert start["right.w"][0] == pytest.approx(-start["left.w"][0] / 2, rel=1e-14)
 
 
+@pytest.mark.long
 def test_the_deflections_that_are_left_keep_their_forces() -> None:
     full = spline_coupling.build()
     _, start = _carried(full, "shaft_in.compliance")

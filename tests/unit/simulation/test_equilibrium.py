@@ -104,6 +104,7 @@ def test_a_gap_without_load_stays_where_it_is():
     assert found["near.contact"] == 0.0
 
 
+@pytest.mark.long
 def test_parallel_gaps_share_the_load_as_they_close_one_after_another():
     rig = gb.Drivetrain("parallel")
     drive, a = rig.add("drive", gb.Torque(tau=7.0)), rig.add("a", gb.Inertia(J=1e-3))
@@ -179,6 +180,7 @@ def _free(speeds=(None, None)):
     return rig
 
 
+@pytest.mark.long
 def test_a_free_train_under_unbalanced_torque_keeps_its_deflection_while_it_speeds_up():
     run = gb.simulate(_free(), t_end=1.0, initial="static", rtol=1e-10)
     assert np.abs(run["shaft.torque"] - 6.0).max() < 1e-9  # 3/4 of the torque goes through the shaft

@@ -120,6 +120,7 @@ def test_a_load_that_no_stop_takes_is_refused_by_name():
         _start(rig)
 
 
+@pytest.mark.long
 def test_a_small_load_crosses_two_gaps_in_a_row():
     rig = gb.Drivetrain("gaps")
     first, second = rig.add("first", gb.Inertia(J=1.0)), rig.add("second", gb.Inertia(J=1.0))

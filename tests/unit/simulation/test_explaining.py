@@ -36,6 +36,7 @@ def test_the_coupling_that_rattles_is_named_with_its_events(seed: int) -> None:
 
 
 @pytest.mark.parametrize("method", ["auto", "dp5", "rodas"])
+@pytest.mark.few(1)
 def test_steps_and_refused_trials_are_those_of_the_run(method: str) -> None:
     rig, _ = _rattling(3)
     run = gb.simulate(rig, t_end=0.5, method=method, rtol=1e-5)
@@ -73,6 +74,7 @@ def test_a_chattering_brake_is_named_among_others() -> None:
     assert run.explain().switching == found.most_common(1)[0][0] == "brake_1"
 
 
+@pytest.mark.long
 def test_the_largest_step_allowed_is_named_where_it_limits() -> None:
     rig, _ = _rattling(0)
     free = rig.without("*.backlash")

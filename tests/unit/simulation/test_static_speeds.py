@@ -52,6 +52,7 @@ def test_bodies_behind_a_given_speed_turn_along_and_carry_the_load():
     assert given["mesh.force"][0] == run["mesh.force"][0]
 
 
+@pytest.mark.long
 def test_so_they_do_in_a_planetary_set():
     run = gb.simulate(_planetary(), t_end=1e-6, initial="static")
     assert run["carrier.w"][0] == pytest.approx(100.0 * 30 / (30 + 70), rel=1e-12)

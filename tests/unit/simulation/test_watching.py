@@ -153,6 +153,7 @@ def test_changes_of_sign_are_those_of_a_fine_look_but_for_dips_within_a_step(see
     assert 0 <= missed <= 0.1 * len(side[1:][np.diff(side) != 0])
 
 
+@pytest.mark.long
 def test_rigid_teeth_are_watched_by_the_force_that_keeps_them_together(quiet: None) -> None:
     run = gb.simulate(_pair(5 * gb.sin(40 * gb.time)).without("mesh.*"), t_end=0.3)
     rows = [x for x in run.watched if x.effect == "mesh.backlash"]
@@ -207,6 +208,7 @@ def _excited(w: float) -> gb.Drivetrain:
     return rig.without("shaft.compliance")
 
 
+@pytest.mark.long
 def test_a_frequency_near_the_mode_of_a_shaft_made_rigid_is_said() -> None:
     natural = np.sqrt(2.0e4 * (1 / 0.02 + 1 / 0.05))
     with pytest.warns(

@@ -33,7 +33,7 @@ def _held():
 TRAINS = {"p1": p1, "p2": p2, "chain": lambda: train(P4(n=12)), "massless": _massless, "held": _held}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", TRAINS)
 @pytest.mark.parametrize("means", [False, True])
 def test_dense_derivatives_are_the_sparse_ones(name, means):

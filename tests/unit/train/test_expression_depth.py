@@ -31,7 +31,7 @@ def test_depth_is_the_longest_way_to_a_leaf():
     assert depth(cases(30)) > 30
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "law",
     [

@@ -94,7 +94,7 @@ def _around(block):
         if name not in ("Torque", "SpeedLoad")
     ],
 )
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_train_survives_the_way_through_json(name, tmp_path):
     _same_after_json(_around(BLOCKS[name]), tmp_path)
 

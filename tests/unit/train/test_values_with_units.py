@@ -27,6 +27,7 @@ def _driven(k="20 kN m/rad"):
     return rig
 
 
+@pytest.mark.long
 def test_a_train_with_units_is_that_in_si():
     plain = gb.Drivetrain("driven")
     drive = plain.add("drive", gb.Torque(tau=100.0))

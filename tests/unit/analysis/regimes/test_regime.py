@@ -153,6 +153,7 @@ def test_multipliers_of_a_focus_are_those_of_its_equation(oscillator: Oscillator
     assert orbit.exponents == pytest.approx([-c / 2, -c / 2], abs=1e-10)
 
 
+@pytest.mark.long
 def test_a_motion_that_strikes_its_stops_is_periodic_though_these_count() -> None:
     rig, drive = gb.Drivetrain("stops"), gb.Parameter("drive", 1.0, "rad/s")
     source = rig.add("source", gb.Torque(tau=gb.cos(drive * gb.time)))

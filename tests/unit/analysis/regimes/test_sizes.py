@@ -49,9 +49,9 @@ def _drive() -> tuple[gb.Parameter, object]:
 @pytest.mark.parametrize(
     "case",
     [
-        "between two that swing against each other",
-        pytest.param("the same, free to turn", marks=pytest.mark.long),
-        pytest.param("at rest under a load", marks=pytest.mark.long),
+        pytest.param("between two that swing against each other", marks=pytest.mark.long),
+        "the same, free to turn",
+        "at rest under a load",
     ],
 )
 def test_a_state_of_rounding_size_has_the_multipliers_of_its_equation(case: str) -> None:

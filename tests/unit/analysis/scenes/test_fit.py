@@ -37,6 +37,7 @@ def test_the_fitted_train_run_as_it_says_is_within_the_accuracy(discs_scene: gb.
     assert (np.abs(best.judgement.changes - change) <= best.judgement.errors + 1e-9).all()  # 1e-9: of the direct runs
 
 
+@pytest.mark.long
 def test_what_goes_is_what_may_go_and_what_cannot_influence(best: Any) -> None:
     assert set(best.dropped) == {"bearing.windage", "belt.compliance", "belt.damping"}
     assert set(best.drivetrain.effects()) == {"shaft.compliance", "shaft.damping", "bearing.viscous"}
@@ -45,6 +46,7 @@ def test_what_goes_is_what_may_go_and_what_cannot_influence(best: Any) -> None:
     assert best.trains <= MOST
 
 
+@pytest.mark.long
 def test_where_it_holds_is_what_direct_runs_say(discs_scene: gb.Scene, best: Any) -> None:
     around = {one.words: one for one in best.around}
     assert set(around) == {"load -10 %", "load +10 %", "speed -10 %", "speed +10 %"}
@@ -60,6 +62,7 @@ def test_where_it_holds_is_what_direct_runs_say(discs_scene: gb.Scene, best: Any
         assert around[words].holds
 
 
+@pytest.mark.long
 def test_no_name_of_what_went_is_left_in_equations_and_c(best: Any) -> None:
     full = best.scene.drivetrain
     text, source = str(full.equations()), gb.build(full).program.source

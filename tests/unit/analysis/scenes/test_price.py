@@ -99,6 +99,7 @@ def test_a_gap_that_never_opens_is_not_needed_and_gains_nothing() -> None:
     assert ("saves nothing" if gain <= GAIN else f"saves {100 * gain:.0f} %") in price.sentence
 
 
+@pytest.mark.long
 def test_effects_of_users_blocks_that_cancel_go_together(pushed: Callable[..., gb.Drivetrain]) -> None:
     scene = gb.Scene(pushed(), t_end=1.0, quantity=gb.last("disc.w"), within=0.01)
     price = gb.price(scene)

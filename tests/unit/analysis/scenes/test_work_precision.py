@@ -35,7 +35,7 @@ def direct(scene: gb.Scene, effort: Effort) -> gb.Trajectory:
 def scene() -> gb.Scene:
     """The first turns of the spline: the teeth part in each, and the motion is not yet settled."""
     asked = gb.peak("spline.force", after=2 * TURN), gb.energy_lost("spline")
-    return gb.Scene(scripts.make("spline_coupling:period_5"), t_end=8 * TURN, quantity=asked, within=0.01)
+    return gb.Scene(scripts.make("spline_coupling:period_5"), t_end=5 * TURN, quantity=asked, within=0.01)
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +69,7 @@ def test_quantities_change_no_step(scene: gb.Scene, method: str, locate: bool) -
     assert bare.rhs_calls <= told.rhs_calls <= bare.rhs_calls + dense * bare.steps
 
 
+@pytest.mark.long
 def test_errors_are_told_against_what_another_method_finds_too(scene: gb.Scene, found: WorkPrecision) -> None:
     run = direct(scene, Effort("dp5", 1e-12))
     true = np.array([q.of(run) for q in scene.measures])
@@ -81,6 +82,7 @@ def test_errors_are_told_against_what_another_method_finds_too(scene: gb.Scene, 
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("within", [1e-2, 1e-4, 1e-6])
 def test_the_choice_is_within_and_so_is_all_that_is_tighter(found: WorkPrecision, within: float) -> None:
     choice = found.cheapest(within)
@@ -96,6 +98,7 @@ def test_the_choice_is_within_and_so_is_all_that_is_tighter(found: WorkPrecision
         assert not all(p.within(within, slice(None)) for p in after)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("within", [1e-2, 1e-5])
 def test_the_price_holds_for_longer_windows(scene: gb.Scene, found: WorkPrecision, within: float) -> None:
     once = found.cheapest(within)
@@ -135,6 +138,7 @@ def test_a_budget_that_the_reference_takes_leaves_no_runs(scene: gb.Scene) -> No
         found.cheapest()
 
 
+@pytest.mark.long
 def test_the_sentence_says_what_the_runs_say(scene: gb.Scene, found: WorkPrecision) -> None:
     for name, line in zip(scene.names, found.sentence.splitlines(), strict=True):
         choice = found.cheapest(quantity=name)
@@ -177,6 +181,7 @@ def test_where_the_motion_scatters_errors_are_those_of_means() -> None:
     assert np.std(runs) > 0.01 * np.mean(runs)  # one run tells less than the mean
 
 
+@pytest.mark.long
 def test_what_cannot_be_answered_is_refused(scene: gb.Scene, found: WorkPrecision) -> None:
     with pytest.raises(gb.ParameterError, match="asks for a gb"):
         gb.work_precision(scene.drivetrain)  # type: ignore[arg-type]
@@ -188,6 +193,7 @@ def test_what_cannot_be_answered_is_refused(scene: gb.Scene, found: WorkPrecisio
         found.cheapest(1e-14)
 
 
+@pytest.mark.long
 def test_all_runs_are_written_and_drawn(found: WorkPrecision, tmp_path: Path) -> None:
     with found.to_csv(tmp_path / "cost.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))

@@ -75,6 +75,7 @@ FEEDBACKS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     "name",

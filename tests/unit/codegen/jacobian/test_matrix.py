@@ -115,6 +115,7 @@ def test_ideal_gears_bring_their_ratios_in(check):
     check(rig)
 
 
+@pytest.mark.long
 def test_a_spring_between_two_shafts_of_one_gear_and_a_spring_elsewhere(check):
     """Both ends of `across` turn with the same group, at different speeds; the entry is one number on the diagonal."""
     rig = gb.Drivetrain("across")

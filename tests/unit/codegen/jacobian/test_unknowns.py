@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 import gearblocks as gb
 
 
+@pytest.mark.long
 def test_a_planetary_between_three_springs(check_whole):
     rig = gb.Drivetrain("planetary")
     planetary = rig.add("planetary", gb.IdealPlanetary(ratio=2.5))

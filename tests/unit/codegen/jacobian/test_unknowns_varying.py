@@ -68,6 +68,7 @@ def test_a_rigid_non_circular_pair_between_springs(check_whole, external):
     check_whole(in_a_row(gb.Shaft(k=20.0, c=0.4), gear, gb.Lash(k=15.0, half_gap=0.1, c=0.2)))
 
 
+@pytest.mark.long
 def test_a_universal_joint_between_springs(check_whole):
     rig = in_a_row(
         gb.Shaft(k=20.0, c=0.4), gb.UniversalJoint(angle=0.7, phase=0.2), gb.Shaft(k=30.0), gb.Shaft(k=9.0, c=0.1)
