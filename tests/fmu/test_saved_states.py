@@ -44,7 +44,13 @@ def _held() -> gb.Drivetrain:
     return rig
 
 
-KINDS = ("oscillator", pytest.param("started from a state", marks=pytest.mark.long), "braked", "held", "stiff")
+KINDS = (
+    "oscillator",
+    pytest.param("started from a state", marks=pytest.mark.long),
+    "braked",
+    pytest.param("held", marks=pytest.mark.long),
+    "stiff",
+)
 
 
 @pytest.fixture(scope="module", params=KINDS)

@@ -72,6 +72,7 @@ def test_a_converter_loses_what_it_does_not_pass_on():
 # -- belts ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_a_creeping_belt_slips_in_proportion_to_its_torque(distance):
     ratio, stiffness, tau = 2.5, 500.0, 4.0
     rig = _chain(

@@ -25,6 +25,7 @@ def _lock_up(mu, *, heat=None, **masses):
 
 
 @pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.few(1)
 def test_a_clutch_that_locks_up_heats_its_disc_by_the_energy_of_the_slip_over_its_capacity(method):
     rig = _lock_up(0.4, heat=gb.HeatPort(T="disc"), disc=gb.ThermalMass(C=50.0, T0=T0))
     run = gb.simulate(rig, t_end=1.0, rtol=1e-11, method=method)

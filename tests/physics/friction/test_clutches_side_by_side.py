@@ -56,6 +56,7 @@ def test_without_a_load_nothing_moves(name, method):
 @pytest.mark.parametrize(
     "name", ["pulses", *(pytest.param(x, marks=pytest.mark.long) for x in COMING if x != "pulses")]
 )
+@pytest.mark.few(2)
 def test_under_a_load_that_the_other_holds_they_are_rigid(name, at, method):
     torque = 3 * gb.sin(4 * gb.time)
     run = gb.simulate(train(torque, COMING[name], at=at), t=T, method=method, rtol=1e-8)

@@ -97,6 +97,7 @@ def test_a_break_away_that_lasts_far_shorter_than_a_step_is_found(how: dict[str,
     assert run["A.w"][-1] == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("how", METHODS)
 def test_locks_that_tie_a_turning_shaft_to_the_ground_are_refused_by_name(how: dict[str, Any]) -> None:
     """One lock holds the shaft at the prescribed speed, the other one wants it at rest."""

@@ -92,6 +92,7 @@ ELEMENTS = {
 SOME = [pytest.param(n, marks=() if n == "peak" else pytest.mark.long) for n in ELEMENTS]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", SOME)
 def test_it_is_the_limit_of_a_vanishing_inertia(name: str) -> None:
     run = gb.simulate(_rig(ELEMENTS[name]), t=T, rtol=1e-9)

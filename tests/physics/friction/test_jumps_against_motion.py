@@ -57,6 +57,7 @@ def test_a_car_on_slipping_tyres_is_held_by_rolling_resistance(torque, method):
     assert run["axle.w"][-1] * 0.3 / 0.1 == pytest.approx(torque / 0.3 / 1e5, rel=1e-3, abs=1e-12)
 
 
+@pytest.mark.long
 def test_a_car_on_slipping_tyres_moves_off_when_the_torque_is_above_its_rolling_resistance():
     run = gb.simulate(_car(60.0), t_end=1.0)
     rolling = 0.01 * 1000.0 * 9.80665

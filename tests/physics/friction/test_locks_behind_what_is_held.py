@@ -57,6 +57,7 @@ LOCKS = {
         pytest.param("synchronizers", 2, True, "carrier", marks=pytest.mark.long),
     ],
 )
+@pytest.mark.few(1)
 def test_they_rest_until_the_brake_lets_go_and_move_as_one(name, count, outwards, at, method):
     tied = gb.build(train(lambda: gb.Shaft(rigid=True), count, outwards=outwards, at=at))
     right = gb.simulate(tied, t=T, rtol=1e-11, method="dp8")

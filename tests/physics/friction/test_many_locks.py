@@ -170,6 +170,7 @@ def _six(lock):
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("method", ["auto", "dp8", "dp5", "rodas"])
 @pytest.mark.parametrize(
     "lock",

@@ -52,6 +52,7 @@ METHODS = ("auto", "dp5", "dp8", "rodas")
 
 
 @pytest.mark.parametrize("held", HELD)
+@pytest.mark.few(1)
 def test_a_load_that_just_exceeds_what_several_hold_lets_go_when_it_does(held):
     # each holds 2 N m in all; of a step of 1 s and more the load is above that for 0.02 to 0.3 s
     model = gb.build(held())

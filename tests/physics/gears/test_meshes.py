@@ -93,6 +93,7 @@ def test_a_mesh_with_backlash_moves_as_derived_by_hand(external, turning, refere
     assert run.energy.residual < 1e-11  # 10 rtol
 
 
+@pytest.mark.long
 def test_module_and_angles_give_the_base_radii():
     angle, helix, m = np.deg2rad(20), np.deg2rad(15), 3e-3
     transverse = np.arctan(np.tan(angle) / np.cos(helix))

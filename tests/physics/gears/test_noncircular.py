@@ -206,6 +206,7 @@ def test_an_error_of_the_teeth_is_taken_from_the_deflection():
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.long
 def test_a_damping_ratio_is_that_of_the_linear_pair():
     # circles, J 1e-4 and 2e-4: c = 2 zeta sqrt(k/(1/J1 + 1/J2))
     c = 2 * 0.05 * np.sqrt(400.0 / (1e4 + 5e3))

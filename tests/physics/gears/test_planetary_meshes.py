@@ -178,6 +178,7 @@ def test_a_set_that_cannot_exist_is_refused_with_the_reason(fields, words):
     assert words in str(caught.value), str(caught.value)
 
 
+@pytest.mark.long
 def test_uneven_places_that_fit_are_accepted():
     places = tuple(2 * np.pi * np.array([0, 26, 53]) / 78)
     run = gb.simulate(_rig(_gear(planet_angles=places)), t=[1e-3])

@@ -233,6 +233,7 @@ def test_a_node_without_inertia_between_two_shafts_puts_them_in_series(c):
     assert np.abs(swing.eigenvalues[0] - roots).min() < 1e-9 * swing.frequencies[0]
 
 
+@pytest.mark.long
 def test_a_stiffness_over_the_angle_is_that_at_an_angle_which_the_table_names():
     J, k, radii = (1e-3, 5e-3), 2e8, (0.03, 0.03 * 41 / 23)
     wave = gb.Fourier(sin=(0.2,))

@@ -54,6 +54,7 @@ def _by_hand(J, k):
     return np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real))
 
 
+@pytest.mark.long
 def test_frequencies_with_a_stuck_clutch_are_those_of_the_rigid_train():
     stuck, rigid = (gb.modes(_chain(J4, K3, x)) for x in (gb.Clutch(capacity=50.0), None))
     assert stuck.frequencies == pytest.approx(_by_hand(J4, K3), rel=NEAR)

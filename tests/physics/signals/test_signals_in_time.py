@@ -156,7 +156,7 @@ def test_the_largest_of_three_lines_is_taken():
 
 
 @pytest.mark.parametrize("rtol", [1e-2, 1e-3, 1e-8])
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 def test_a_pulse_of_a_millisecond_in_ten_seconds_is_seen(rtol):
     for pulse in (
         sp.Heaviside(t - 7) - sp.Heaviside(t - 7.001),

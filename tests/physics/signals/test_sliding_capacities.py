@@ -43,6 +43,7 @@ def test_a_brake_that_is_stronger_above_a_speed_holds_it(name, order):
         assert run.energy.residual < 1e-12 and sum(run.energy.supplied.values()) == pytest.approx(LOAD * 9.0, rel=1e-11)
 
 
+@pytest.mark.long
 def test_a_clutch_that_is_stronger_above_a_speed_holds_it_and_drives_what_is_behind_it():
     # once it slides 2 N m come through: v' = (2 - v/4)/0.5 behind it, from what 0.5 N m have made of it by 2 s
     run = gb.simulate(_governed(gb.Clutch(capacity=JUMPS), ground=False), t_end=2.5, rtol=1e-8)
@@ -52,6 +53,7 @@ def test_a_clutch_that_is_stronger_above_a_speed_holds_it_and_drives_what_is_beh
     assert run.energy.residual < 1e-7
 
 
+@pytest.mark.long
 def test_it_goes_on_where_the_load_is_no_longer_between_both_sides():
     # from 3 s on the load falls below what the weaker side brakes: 2 - 1.5 (t - 3) - 0.5 = 0 at 4 s
     rig = _governed(ELEMENTS["capacity"]).set({"load.tau": gb.Table([3.0, 5.0], [LOAD, LOAD - 3.0])})

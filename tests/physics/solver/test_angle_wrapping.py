@@ -220,6 +220,7 @@ def test_a_sensed_angle_is_left_to_grow_where_a_signal_reads_it_straight() -> No
     assert ".n_wrapped = 1" in gb.build(rig).program.source
 
 
+@pytest.mark.long
 def test_a_run_goes_on_from_another_with_its_turns() -> None:
     model, w = gb.build(_pair(k=1e4, damping_ratio=0.05)), 90.0
     first = gb.simulate(model, t_end=1.0, initial={"pinion.w": w, "wheel.w": -w * 23 / 41})

@@ -101,6 +101,7 @@ def test_growth_without_end_stops_before_numbers_do(feed):
     assert 1e90 < np.abs(caught.value.trajectory["rotor.w"]).max() < 1e110
 
 
+@pytest.mark.long
 def test_what_grows_far_but_ends_or_grows_as_a_power_of_time_runs_to_its_end():
     run = gb.simulate(_fed(5 * W, w0=1e-16), t_end=10.0)  # an unstable rest, left by rounding: 73 doublings
     assert run["rotor.w"][-1] == pytest.approx(1e-16 * math.exp(50), rel=1e-4)

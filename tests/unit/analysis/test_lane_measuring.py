@@ -96,6 +96,7 @@ def test_other_trains_and_quantities_are_run_one_by_one_with_located_events(rig,
     np.testing.assert_allclose(np.asarray(found[name]), np.asarray(fine[name]), rtol=1e-3)
 
 
+@pytest.mark.long
 def test_a_point_that_diverges_is_named():
     found = gb.sweep(_pair(), {"mesh.k": [1e4, 1e12]}, quantity=gb.peak("mesh.force"), steps_per_period=40, **PERIODS)
     assert np.isfinite(np.asarray(found["peak(mesh.force)"])).tolist() == [True, False]

@@ -147,6 +147,7 @@ def _made(paths: dict[str, list[float]], shape: tuple[int, ...], *quantities: ND
 
 
 @pytest.mark.parametrize(("count", "quantities"), [(2, 1), (3, 2), (5, 1)])
+@pytest.mark.few(1)
 def test_cases_are_drawn_over_each_value_that_varies_in_them(count: int, quantities: int) -> None:
     values = np.random.default_rng(3).uniform(1.0, 2.0, (count, 40))
     values[1] *= 1e-3
@@ -192,6 +193,7 @@ def test_many_uneven_values_have_some_of_them_at_the_axis() -> None:
 
 
 @pytest.mark.parametrize("values", [612.2 + 1e-4 * np.arange(5), 1e6 + np.arange(5), -3.0 - 1e-9 * np.arange(5)])
+@pytest.mark.few(1)
 def test_axes_have_whole_numbers_and_no_offset(values: NDArray[np.float64]) -> None:
     figure = _made({"a": [*range(5)]}, (5,), values).plot()
     figure.canvas.draw()

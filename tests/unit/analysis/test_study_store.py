@@ -59,7 +59,7 @@ def test_a_second_call_runs_only_what_is_missing(clutch_model: gb.Model, tmp_pat
         ({"initial": {"motor.w": 3.0}}, "the fixed parameters, the start"),
     ],
 )
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 def test_a_store_of_another_study_is_refused_by_what_differs(
     clutch_model: gb.Model, tmp_path: Path, change: dict[str, Any], words: str
 ) -> None:

@@ -1,5 +1,7 @@
 """Compiled templates are kept, and taken again only where they are those of the sources."""
 
+import pytest
+
 import gearblocks as gb
 from gearblocks.assembly.assemble import assemble
 from gearblocks.codegen.generate import generate
@@ -34,6 +36,7 @@ def test_what_is_kept_is_not_compiled_again():
     assert second.writes == 0
 
 
+@pytest.mark.long
 def test_bytes_of_another_jinja_are_compiled_anew():
     first = _Place()
     program = _program(first)

@@ -39,6 +39,7 @@ def test_a_cache_that_cannot_be_written_is_named_once_and_the_run_is_right(
         assert _speed() == pytest.approx(1.0, rel=1e-12)
 
 
+@pytest.mark.long
 def test_a_full_disk_under_the_cache_is_named_and_the_run_is_right(
     cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

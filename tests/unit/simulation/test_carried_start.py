@@ -142,6 +142,7 @@ def test_a_lossy_gear_behind_a_new_tie_starts_as_its_ratio_says() -> None:
     assert start["wheel.w"][0] == pytest.approx(start["motor.w"][0] / 2, rel=1e-12)
 
 
+@pytest.mark.long
 def test_what_went_with_an_effect_and_what_does_not_run_are_told_apart() -> None:
     rig = _whine()
     rigid = rig.without("mesh.*")

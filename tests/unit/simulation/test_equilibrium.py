@@ -59,6 +59,7 @@ def test_the_spline_problem_starts_where_it_was_computed_by_hand():
     assert found["right.twist"] == pytest.approx(-right, rel=EXACT)
 
 
+@pytest.mark.long
 def test_the_stiff_chain_starts_where_it_was_computed_by_hand():
     model = _model("stiff_chain")
     problem = model.Numbers(n=200)

@@ -65,6 +65,7 @@ def test_the_speed_is_the_mean_or_that_of_the_start(initial, w):
     assert run["drum.w"][0] == pytest.approx(w, rel=1e-12)
 
 
+@pytest.mark.long
 def test_sweeps_linear_tools_and_labels_start_so_too():
     speed = gb.Parameter("speed", 20.0, "rad/s")
     rig = _wave(speed)

@@ -90,6 +90,7 @@ def test_fields_refuse_other_measures(make, words):
         make()
 
 
+@pytest.mark.long
 def test_what_a_shaft_takes_depends_on_what_it_joins():
     for block, k, wrong in (
         (gb.Mass(m="3 t"), "200 N/mm", "20 kN m/rad"),
