@@ -52,7 +52,8 @@ int gb_is_engaged(const gb_sim *sim, int i) {
         return sim->mode[constraint->free] < 0.5;
     }
     return sim->mode[constraint->free] < 0.5 &&
-           (sim->events.armed[constraint->free] != 0.0 || sim->constraints.bounds[5 * i + 4] > 0.0);
+           (sim->head->events.n_sliding > 0 || sim->events.armed[constraint->free] != 0.0 ||
+            sim->constraints.bounds[5 * i + 4] > 0.0);
 }
 
 void gb_size_rows(gb_sim *sim) {

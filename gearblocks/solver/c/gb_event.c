@@ -184,6 +184,9 @@ int gb_apply_event(gb_sim *sim) {
         gb_input_find(sim, head->front.t1, 1);
     }
     int code = flip_pending(sim);
+    if (code == GB_DONE && head->events.n_sliding > 0) {
+        code = gb_leave_at_rest(sim);
+    }
     if (code == GB_DONE) {
         code = gb_settle_modes(sim, 1);
     }

@@ -5,6 +5,7 @@
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_report.h"
+#include "gb_sliding_friction.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
@@ -58,6 +59,9 @@ static int depends(gb_sim *sim, int i, double below, double above, double larges
     if (constraint >= 0) {
         const double mean = sim->constraints.peak[constraint], *bounds = sim->constraints.bounds + 5 * constraint;
         return gb_max(below, gb_max(mean - bounds[1], bounds[0] - mean)) > SAME * largest;
+    }
+    if (sim->events.role[i] == GB_SILENT && sim->mode[i] < 0.5 && below <= 0.0 && above <= 0.0) {
+        return 0; /* of a capacity, with its sign turned: one of 0 on one side rubs with nothing there */
     }
     return sim->events.role[i] == GB_CONSTRAINED || gb_slides(sim, i) ||
            model->mode_at(sim->par, i, below) != sim->mode[i] || model->mode_at(sim->par, i, above) != sim->mode[i];
@@ -120,8 +124,10 @@ int gb_slide(gb_sim *sim, int i) {
     }
     gb_set_mode(sim, i, below, 0);
     head->events.sliding[head->events.n_sliding++] = i;
+    gb_rub_on_both_sides(sim, i, below + 0.5);
     if (gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 || !shares_fit(head->events.n_sliding, share) ||
         others_depend(sim, sim->y, share)) {
+        gb_rub_on_both_sides(sim, i, before);
         forget(sim, i);
         gb_set_mode(sim, i, before, 0);
         return 0;
@@ -134,12 +140,27 @@ int gb_slide(gb_sim *sim, int i) {
 
 void gb_leave_sliding(gb_sim *sim, int i, double mode) {
     const double below = sim->mode[i];
+    gb_rub_on_both_sides(sim, i, mode);
     forget(sim, i);
     gb_log(sim, i, 0, below + 0.5, mode);
     gb_set_mode(sim, i, mode, 0);
     sim->events.armed[i] = mode > below ? -1.0 : 1.0;
     sim->events.flips[i] = 0.0;
     sim->head->events.armed = 1;
+}
+
+int gb_leave_at_rest(gb_sim *sim) {
+    const int code = gb_time_terms_at(sim, sim->head->front.t1);
+    for (int c = 0; c < sim->model->n_constraints && code == GB_DONE; c++) {
+        for (int j = sim->head->events.n_sliding - 1; j >= 0; j--) {
+            const int i = sim->head->events.sliding[j], side = gb_stronger_side(sim, i, c);
+            if (side >= 0) {
+                gb_leave_sliding(sim, i, sim->mode[i] + side);
+            }
+        }
+    }
+    gb_mode_limits(sim);
+    return code;
 }
 
 int gb_settle_sliding(gb_sim *sim) {

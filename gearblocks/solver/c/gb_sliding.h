@@ -15,6 +15,10 @@ int gb_slide(gb_sim *sim, int i);
 /* Switch i slides no longer, and goes on in a mode at its limit. */
 void gb_leave_sliding(gb_sim *sim, int i, double mode);
 
+/* Friction whose slip ends here leaves the limits over which its capacity jumps, to the side on which it holds more:
+ * with the mean, it could not be stuck. */
+int gb_leave_at_rest(gb_sim *sim);
+
 /* Something has changed at the front: what no longer holds on its limit leaves it. */
 int gb_settle_sliding(gb_sim *sim);
 
