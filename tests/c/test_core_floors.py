@@ -20,7 +20,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_growth",
         "gb_tolerance",
     ),
-    ("gb_limit_noise", "gb_constraint_forces"),
+    ("gb_limit_noise", "gb_constraint_forces", "gb_force_noise"),
     ("gb_noise", "gb_flight"),
     (
         "gb_error_control",

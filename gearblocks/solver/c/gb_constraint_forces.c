@@ -122,15 +122,30 @@ static double candidate_slip(const gb_sim *sim, int i) {
     return fabs(w) > gb_acceleration_rounding(sim, i, size) ? w : 0.0;
 }
 
-/* Among `over` candidates that slip beyond their static peaks those break that the load exceeds most, in proportion to
- * the peak: they would be the first if it rose from zero. Of one alone nothing has to be asked, and held without limit
- * beside a lossy gear it may leave no forces, or many. */
+/* What candidate i carried before: its force while stuck, what slips against its slip. */
+static double force_before(const gb_sim *sim, int i) {
+    const double mode = sim->constraints.mode_before[i], *bounds = sim->constraints.bounds + 5 * i;
+    return mode == 0.0 ? sim->constraints.force_before[i] : mode == 1.0 ? -bounds[2] : mode == -1.0 ? bounds[3] : 0.0;
+}
+
+/* How far candidate i, which a force holds that is more than its peak, is beyond it, in parts of the way to the peak
+ * from what it carried before. */
+static double beyond_peak(const gb_sim *sim, int i, double peak) {
+    const double held = sim->constraints.force[i], before = force_before(sim, i);
+    const double room = copysign(peak, held) - before;
+    return room * held > 0.0 ? (held - before) / room : HUGE_VAL;
+}
+
+/* Among `over` candidates that slip beyond their static peaks those break that come to their peak first as all forces
+ * go from what they were to what would hold: where a slip ends, the force of its friction turns around, and takes those
+ * of others along. Of one alone nothing has to be asked, and held without limit beside a lossy gear it may leave no
+ * forces, or many. */
 static int break_first(gb_sim *sim, int over) {
     struct gb_constraints *c = &sim->constraints;
     const int n = sim->model->n_constraints, code = over > 1 ? solve_within(sim, 1) : GB_DONE;
     double most = 0.0;
     for (int i = 0; i < n && code == GB_DONE; i++) {
-        c->peak[i] = c->in[i] && c->peak[i] > 0.0 ? fabs(c->force[i]) / c->peak[i] : 0.0;
+        c->peak[i] = c->in[i] && c->peak[i] > 0.0 ? beyond_peak(sim, i, c->peak[i]) : 0.0;
         most = gb_max(most, c->peak[i]);
     }
     for (int i = 0; i < n; i++) {
@@ -143,7 +158,7 @@ static int break_first(gb_sim *sim, int over) {
 
 /* The complementarity problem of the candidates. A candidate that slips although it holds its static peak is broken: it
  * goes on with what it carries while it slides, and may stay at rest with no more than that. */
-static int solve_with_peaks(gb_sim *sim) {
+static int break_in_turn(gb_sim *sim) {
     const int n = sim->model->n_constraints;
     int code = GB_DONE;
     for (int over = 1, round = 0; over > 0 && code == GB_DONE && round <= n; round++) {
@@ -162,6 +177,28 @@ static int solve_with_peaks(gb_sim *sim) {
         }
     }
     return code;
+}
+
+/* Where friction passes a slip of zero, whatever the others do, its peak lasts for no time: what was at rest and broke
+ * by it is whole again. Returns how many. */
+static int mend_what_passing_broke(gb_sim *sim) {
+    struct gb_constraints *c = &sim->constraints;
+    int passes = 0, mended = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        passes = passes || (c->in[i] && fabs(c->mode_before[i]) == 1.0 && candidate_slip(sim, i) != 0.0);
+    }
+    for (int i = 0; i < sim->model->n_constraints && passes; i++) {
+        if (c->in[i] && c->mode_before[i] == 0.0 && c->broken[i] && !c->was_broken[i]) {
+            c->broken[i] = 0;
+            mended++;
+        }
+    }
+    return mended;
+}
+
+static int solve_with_peaks(gb_sim *sim) {
+    const int code = break_in_turn(sim);
+    return code == GB_DONE && mend_what_passing_broke(sim) > 0 ? break_in_turn(sim) : code;
 }
 
 /* The bounds of all candidates before any of them broke, in lo and hi; tie_of: ties of the losses among them. Returns
@@ -294,56 +331,4 @@ double gb_slip_acceleration(const gb_sim *sim, int i, double *size) {
     const double rate = sim->constraints.free_acceleration[i];
     *size = fabs(rate);
     return rate + gb_delassus_product(&W, i, sim->constraints.force, size);
-}
-
-/* The slip acceleration of constraint i that in the step at hand moves speeds, as large as they have been, by less than
- * their rounding. */
-static double imperceptible(const gb_sim *sim, int i) {
-    const double speed = gb_largest_speed(sim, sim->control.largest);
-    return sim->head->front.h > 0.0 ? speed * sim->constraints.row_size[i] / sim->head->front.h : 0.0;
-}
-
-/* The active constraint whose excess event function i tells, or -1. */
-static int constraint_of(const gb_sim *sim, int i) {
-    int constraint = sim->model->n_constraints - 1;
-    while (constraint >= 0 && sim->model->constraints[constraint].active != i) {
-        constraint--;
-    }
-    return constraint >= 0 && gb_is_active(sim, constraint) ? constraint : -1;
-}
-
-double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double *y) {
-    const gb_delassus W = gb_delassus_of(sim);
-    const int constraint = constraint_of(sim, i);
-    if (constraint < 0) {
-        return 0.0;
-    }
-    sim->model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
-    const double own = gb_delassus_diagonal(&W, constraint);
-    return own > 0.0 ? 64.0 * DBL_EPSILON * imperceptible(sim, constraint) / own : 0.0;
-}
-
-double gb_force_rounding(gb_sim *sim, int i, const double *time_terms, const double *y, double *force) {
-    const gb_model *model = sim->model;
-    const gb_delassus W = gb_delassus_of(sim);
-    const int constraint = constraint_of(sim, i);
-    double largest = 0.0;
-    *force = 0.0;
-    if (constraint < 0) {
-        return 0.0;
-    }
-    model->constraint_forces(sim->par, sim->mode, time_terms, y, sim->constraints.other, sim->constraints.right);
-    model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
-    for (int j = 0; j < W.n; j++) { /* rounding of one force goes on through those between it and another one */
-        double terms = 0.0;
-        gb_delassus_product(&W, j, sim->constraints.other, &terms);
-        largest = gb_is_active(sim, j) ? gb_max(largest, terms) : largest;
-    }
-    const double own = gb_delassus_diagonal(&W, constraint);
-    *force = fabs(sim->constraints.other[constraint]);
-    return own > 0.0 ? 64.0 * DBL_EPSILON * largest / own : 0.0;
-}
-
-double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y, double *force) {
-    return gb_max(gb_force_rounding(sim, i, time_terms, y, force), gb_idle_force(sim, i, time_terms, y));
 }

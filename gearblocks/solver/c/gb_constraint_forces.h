@@ -22,14 +22,4 @@ int gb_choose_active_set(gb_sim *sim);
 /* After gb_choose_active_set: the slip acceleration of constraint i with all forces; size: sum of its terms. */
 double gb_slip_acceleration(const gb_sim *sim, int i, double *size);
 
-/* What rounding leaves of the force whose excess event function i tells, beside the forces of all active constraints.
- * force: its size. */
-double gb_force_rounding(gb_sim *sim, int i, const double *time_terms, const double *y, double *force);
-
-/* The same, and what is no more beside the speeds that it could change in the step at hand. */
-double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y, double *force);
-
-/* The part of that which follows from the speeds alone: such a force moves nothing in the step at hand. */
-double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double *y);
-
 #endif

@@ -139,7 +139,9 @@ static int log_changes(gb_sim *sim, int log) {
             if (log && !(constraint->kind == GB_STOP && sim->constraints.struck[i])) {
                 gb_log(sim, constraint->slip, 0, before, now);
             }
-            if (log && code == GB_DONE) {
+            if (!log) { /* what breaks at a start stays broken */
+                sim->events.flip_time[constraint->active] = sim->head->front.t1;
+            } else if (code == GB_DONE) {
                 code = gb_count_flip(sim, constraint->active);
             }
         } else if (log && code == GB_DONE && !sim->constraints.struck[i]) {
@@ -156,10 +158,8 @@ static int log_changes(gb_sim *sim, int log) {
 /* It slides since this very instant: it does not hold its static peak again before time has gone on. */
 static int has_just_let_go(const gb_sim *sim, int i) {
     const gb_constraint *constraint = &sim->model->constraints[i];
-    const gb_head *head = sim->head;
     return constraint->kind == GB_FRICTION && !gb_is_active(sim, i) && sim->mode[constraint->slip] != 0.0 &&
-           head->front.t1 - sim->events.flip_time[constraint->active] <=
-               10.0 * gb_rounding(head->front.t1, head->front.h);
+           gb_flips_at_front(sim, constraint->active);
 }
 
 /* Constraint forces of the old modes, and which of them were redundant, before anything changes. */
@@ -198,8 +198,7 @@ static int look_ahead(gb_sim *sim) {
         const gb_constraint *constraint = &model->constraints[i];
         const int pending =
             sim->events.pending[constraint->active] != 0.0 || sim->events.pending[constraint->slip] != 0.0;
-        const int stands = head->front.t1 - sim->events.flip_time[constraint->active] <=
-                           10.0 * gb_rounding(head->front.t1, head->front.h);
+        const int stands = gb_flips_at_front(sim, constraint->active);
         flips = pending && stands ? gb_max(flips, sim->events.flips[constraint->active]) : flips;
         if (constraint->kind == GB_TIE && sim->events.pending[constraint->slip] != 0.0) {
             flips = gb_max(flips, SIGN_AHEAD); /* the force is 0 there; what it does next tells its sign */

@@ -1,7 +1,7 @@
 #include "gb_locate.h"
-#include "gb_constraint_forces.h"
 #include "gb_constraint_state.h"
 #include "gb_force_enclosure.h"
+#include "gb_force_noise.h"
 #include "gb_limit_noise.h"
 #include "gb_locate_enclosed.h"
 #include "gb_locate_polynomial.h"
@@ -15,12 +15,14 @@ static const double LAST = 1.0 - 1e-6;
 /* The force of an active constraint, located in this step, is on its bound at both ends of it but for what moves
  * nothing: a contact whose damping eats up its spring leaves such a force to a freewheel behind it. Where the force is
  * more than that itself, only its rounding moves nothing: what is beyond the bound in each of many short steps moves.
- * So where a step is tried again with a part of its size: what moves nothing in the part was something in the whole. */
+ * So where a step is tried again with a part of its size: what moves nothing in the part was something in the whole.
+ * Before anything has moved, its rounding alone tells. */
 static int is_no_force(gb_sim *sim, int i, double start, const double *time_terms) {
     const double idle = gb_idle_force(sim, i, time_terms, sim->z);
     double force;
     const double rounding = gb_force_rounding(sim, i, time_terms, sim->z, &force);
-    const double noise = force < idle && !sim->events.again ? idle : gb_min(idle, rounding);
+    const double least = idle > 0.0 ? gb_min(idle, rounding) : rounding;
+    const double noise = force < idle && !sim->events.again ? idle : least;
     if (!(fabs(start) < noise)) {
         return 0;
     }

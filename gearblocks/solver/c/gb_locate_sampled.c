@@ -1,7 +1,7 @@
 #include "gb_locate_sampled.h"
-#include "gb_constraint_forces.h"
 #include "gb_dense_output.h"
 #include "gb_event_values.h"
+#include "gb_force_noise.h"
 #include "gb_modes.h"
 #include "gb_vector.h"
 

@@ -75,10 +75,14 @@ void gb_rehash(gb_sim *sim) {
     }
 }
 
+int gb_flips_at_front(const gb_sim *sim, int i) {
+    const double t = sim->head->front.t1;
+    return t - sim->events.flip_time[i] <= 10.0 * gb_rounding(t, sim->head->front.h);
+}
+
 int gb_count_flip(gb_sim *sim, int i) {
     const gb_head *head = sim->head;
-    const int stands = head->front.t1 - sim->events.flip_time[i] <= 10.0 * gb_rounding(head->front.t1, head->front.h);
-    sim->events.flips[i] = stands ? sim->events.flips[i] + 1.0 : 1.0;
+    sim->events.flips[i] = gb_flips_at_front(sim, i) ? sim->events.flips[i] + 1.0 : 1.0;
     sim->events.flip_time[i] = head->front.t1;
     return sim->events.flips[i] > GB_FLIPS ? gb_fail(sim, GB_ERR_CHATTER, i, head->front.t1, sim->events.flips[i])
                                            : GB_DONE;

@@ -35,6 +35,9 @@ void gb_modes_at_slips(gb_sim *sim, int log);
 /* The hash of all modes anew. */
 void gb_rehash(gb_sim *sim);
 
+/* Switch i has flipped at this very instant, as far as time is told. */
+int gb_flips_at_front(const gb_sim *sim, int i);
+
 /* A switch may flip again at once a few times, not for ever. */
 int gb_count_flip(gb_sim *sim, int i);
 

@@ -229,3 +229,32 @@ def test_the_same_while_a_mesh_rattles(beside, k, c, J, error, method):
     before = J[0] * run["wheel.w"] / RADII[1]
     assert np.max(np.abs(behind + before)) < 1e-12 * np.max(np.abs(before))
     assert len(run.events) < 60
+
+
+@pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
+@pytest.mark.parametrize("held", [(1.7, 0.0713), (1.1, 0.7, 0.3), (0.9, 0.9)])
+@pytest.mark.few(3)
+def test_a_load_that_begins_at_zero_leaves_an_unloaded_freewheel_as_it_is(method, held):
+    """A clutch of 3 |sin 20 t| N m from rest, on brakes side by side at the sun; the freewheel joins ring and carrier."""
+    rig = gb.Drivetrain("from rest")
+    sun, ring, carrier, drive = (
+        rig.add(n, gb.Inertia(J=J)) for n, J in (("sun", 0.0331), ("ring", 2.74), ("carrier", 1.0), ("drive", 1.0))
+    )
+    free = rig.add("free", gb.Inertia(J=0.1))
+    planetary, freewheel = rig.add("planetary", gb.IdealPlanetary(ratio=0.5)), rig.add("freewheel", gb.Freewheel())
+    clutch = rig.add("clutch", gb.Clutch(capacity=3.0 * sp.Abs(gb.sin(20.0 * gb.time))))
+    shaft, drag = rig.add("shaft", gb.Shaft(k=339.0, c=0.124)), rig.add("drag", gb.BearingFriction(coulomb=6.24))
+    rig.connect(ring.a, planetary.ring, freewheel.a, drag.a)
+    rig.connect(free.a, drag.housing)
+    rig.connect(sun.a, planetary.sun, clutch.a)
+    rig.connect(sun.b, *(rig.add(f"brake{i}", gb.Brake(capacity=x)).a for i, x in enumerate(held)))
+    rig.connect(carrier.a, planetary.carrier, freewheel.b)
+    rig.connect(carrier.b, shaft.a)
+    rig.connect(shaft.b, rig.add("ground", gb.Fixed()).flange)
+    rig.connect(drive.a, clutch.b)
+    rig.connect(drive.b, rig.add("torque", gb.Torque(tau=29.6)).flange)
+    breaks = math.asin(sum(held) / 3.0) / 20.0
+    run = gb.simulate(rig, t=[0.0, breaks - 1e-6, breaks + 0.01], method=method, rtol=1e-7)
+    assert max(abs(run[f"{name}.w"][1]) for name in ("sun", "ring", "carrier")) < 1e-14
+    assert run["sun.w"][2] > 0.0
+    assert next(e.t for e in run.events if e.t > 0.0) == pytest.approx(breaks, abs=1e-7)

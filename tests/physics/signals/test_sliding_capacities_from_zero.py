@@ -48,6 +48,7 @@ def test_it_lets_go_on_either_side(method, rtol):
     run = gb.simulate(_braked(tau, capacity=ON_ABOVE_3), t=[2.9, 4.0, 5.9, 7.0], method=method, rtol=rtol)
     assert run["body.w"] == pytest.approx([3.0, 2.0, 3.0, 5.0], abs=30 * rtol)
     assert run["brake.torque"] == pytest.approx([2.0, 0.0, 2.0, 5.0], abs=1e-8)
+    assert run["brake.mode"][[1, 3]].tolist() == [2.0, 1.0]  # free, slips
 
 
 def _clutched(capacity, drive, load, w0):

@@ -79,6 +79,7 @@ class Modes(Impacts):
         smooth = len(self.jumps) == hits
         kept = self.kept(t, y) if smooth and not starting else None
         stays = self.stays(y, kept) if kept is not None else None
+        sticks = self.sticks(y, kept) if kept is not None else None
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -97,7 +98,7 @@ class Modes(Impacts):
                 break
         if not fits:
             raise NoEvidenceError("no set of modes fits")
-        modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, stays, kept)
+        modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, stays, sticks, kept)
         self.set(modes)
         self.lock()
         return y
@@ -293,6 +294,15 @@ class Modes(Impacts):
                 out[i] = None
         return out
 
+    def sticks(self, y: Array, kept: list[Any]) -> list[Any]:
+        """What has come to slip no more is to stick, whatever lets go for it.
+
+        Its peak lasts as long as it sticks. Where it slips on, its peak lasts for no time, and what is kept is kept.
+        """
+        v = self.qv(y)[1]
+        ended = [abs(d.mode) == 1 and abs(float(d.row @ v)) <= self.small() for d in self.s.dry]
+        return [0 if i < len(ended) and ended[i] else None for i in range(len(kept))]
+
     def has_peak(self, member: Any) -> bool:
         """Whether it holds more than it slides with."""
         c = self.s.context
@@ -310,15 +320,25 @@ class Modes(Impacts):
         return [x for x in fits if first(x[0], x[1])] or fits
 
     def chosen(self, fits: list[tuple[Any, Array, Array]], *kept: list[Any] | None) -> tuple[Any, Array, Array]:
-        """Of several sets that which sticks most; where that is not clear, of those that keep what is to be kept."""
+        """Of several sets that which sticks most; where that is not clear, of those that keep what is to be kept.
+
+        The last two rules may contradict each other: how far each is from its peak on the way would tell, which is not asked.
+        """
         found = self._most(fits)
-        for given in kept:
-            if found is None and given is not None:
-                same = [x for x in fits if all(k in (None, m) for k, m in zip(given, x[0], strict=True))]
-                found = self._most(same)
+        each = [self._most(self._with(fits, given)) for given in kept if found is None and given is not None]
+        if each and each[0] is not None:
+            found = each[0]
+        elif each:
+            last = [x for x in each[1:] if x is not None]
+            if last and all(x[0] == last[0][0] for x in last):
+                found = last[0]
         if found is None:
             raise NoEvidenceError("several sets of modes fit")
         return found
+
+    @staticmethod
+    def _with(fits: list[tuple[Any, Array, Array]], given: list[Any]) -> list[tuple[Any, Array, Array]]:
+        return [x for x in fits if all(k in (None, m) for k, m in zip(given, x[0], strict=True))]
 
     def _most(self, fits: list[tuple[Any, Array, Array]]) -> tuple[Any, Array, Array] | None:
         if not fits:
