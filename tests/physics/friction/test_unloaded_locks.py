@@ -255,6 +255,6 @@ def test_a_load_that_begins_at_zero_leaves_an_unloaded_freewheel_as_it_is(method
     rig.connect(drive.b, rig.add("torque", gb.Torque(tau=29.6)).flange)
     breaks = math.asin(sum(held) / 3.0) / 20.0
     run = gb.simulate(rig, t=[0.0, breaks - 1e-6, breaks + 0.01], method=method, rtol=1e-7)
-    assert max(abs(run[f"{name}.w"][1]) for name in ("sun", "ring", "carrier")) < 1e-14
+    assert max(abs(run[f"{name}.w"][1]) for name in ("sun", "ring", "carrier")) < 1e-14  # what rounds
     assert run["sun.w"][2] > 0.0
-    assert next(e.t for e in run.events if e.t > 0.0) == pytest.approx(breaks, abs=1e-7)
+    assert next(e.t for e in run.events if e.component == "brake0") == pytest.approx(breaks, abs=1e-7)
