@@ -5,7 +5,6 @@
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_report.h"
-#include "gb_sliding_friction.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
@@ -124,10 +123,8 @@ int gb_slide(gb_sim *sim, int i) {
     }
     gb_set_mode(sim, i, below, 0);
     head->events.sliding[head->events.n_sliding++] = i;
-    gb_rub_on_both_sides(sim, i, below + 0.5);
     if (gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 || !shares_fit(head->events.n_sliding, share) ||
         others_depend(sim, sim->y, share)) {
-        gb_rub_on_both_sides(sim, i, before);
         forget(sim, i);
         gb_set_mode(sim, i, before, 0);
         return 0;
@@ -140,7 +137,6 @@ int gb_slide(gb_sim *sim, int i) {
 
 void gb_leave_sliding(gb_sim *sim, int i, double mode) {
     const double below = sim->mode[i];
-    gb_rub_on_both_sides(sim, i, mode);
     forget(sim, i);
     gb_log(sim, i, 0, below + 0.5, mode);
     gb_set_mode(sim, i, mode, 0);
@@ -149,11 +145,29 @@ void gb_leave_sliding(gb_sim *sim, int i, double mode) {
     sim->head->events.armed = 1;
 }
 
+/* The side of the sliding switch i on which friction c, whose slip ends at the front, holds more: of its mode 0, or 1;
+ * -1 where both are alike, or it slips on. With the mean of both it could not stick. */
+static int stronger_side(gb_sim *sim, int i, int c) {
+    const gb_model *model = sim->model;
+    const gb_constraint *of = &model->constraints[c];
+    double *bounds = sim->constraints.bounds;
+    if (of->kind != GB_FRICTION || gb_is_active(sim, c) || sim->events.pending[of->slip] == 0.0) {
+        return -1;
+    }
+    model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, sim->y, bounds);
+    const double below = bounds[5 * c + 4];
+    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
+    sim->sliding.mode[i] += 1.0;
+    model->force_bounds(sim->par, sim->sliding.mode, gb_terms_above(sim, &sim->instant, 0), sim->y, bounds);
+    const double above = bounds[5 * c + 4];
+    return above == below ? -1 : above > below;
+}
+
 int gb_leave_at_rest(gb_sim *sim) {
     const int code = gb_time_terms_at(sim, sim->head->front.t1);
     for (int c = 0; c < sim->model->n_constraints && code == GB_DONE; c++) {
         for (int j = sim->head->events.n_sliding - 1; j >= 0; j--) {
-            const int i = sim->head->events.sliding[j], side = gb_stronger_side(sim, i, c);
+            const int i = sim->head->events.sliding[j], side = stronger_side(sim, i, c);
             if (side >= 0) {
                 gb_leave_sliding(sim, i, sim->mode[i] + side);
             }

@@ -83,7 +83,7 @@ def _passing(width=None):
     a, b = rig.add("a", gb.Inertia(J=0.65, w0=0.5)), rig.add("b", gb.Inertia(J=0.95))
     clutch, brake = (rig.add(n, _rubs(block, x, 2 * x, width)) for n, block, x in PASSING)
     rig.chain(rig.add("left", gb.Torque(tau=-5.0)), a, clutch, b)
-    rig.connect(b.b, brake.a, rig.add("right", gb.Torque(tau=0.9)).flange)
+    rig.connect(b.b, brake.a, rig.add("right", gb.Torque(tau=-0.9)).flange)
     return rig
 
 

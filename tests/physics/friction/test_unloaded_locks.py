@@ -246,6 +246,7 @@ def test_a_load_that_begins_at_zero_leaves_an_unloaded_freewheel_as_it_is(method
     shaft, drag = rig.add("shaft", gb.Shaft(k=339.0, c=0.124)), rig.add("drag", gb.BearingFriction(coulomb=6.24))
     rig.connect(ring.a, planetary.ring, freewheel.a, drag.a)
     rig.connect(free.a, drag.housing)
+    rig.connect(free.b, rig.add("load", gb.SpeedLoad(coeffs=(0.0, 0.0405, 0.001))).flange)
     rig.connect(sun.a, planetary.sun, clutch.a)
     rig.connect(sun.b, *(rig.add(f"brake{i}", gb.Brake(capacity=x)).a for i, x in enumerate(held)))
     rig.connect(carrier.a, planetary.carrier, freewheel.b)
@@ -257,4 +258,5 @@ def test_a_load_that_begins_at_zero_leaves_an_unloaded_freewheel_as_it_is(method
     run = gb.simulate(rig, t=[0.0, breaks - 1e-6, breaks + 0.01], method=method, rtol=1e-7)
     assert max(abs(run[f"{name}.w"][1]) for name in ("sun", "ring", "carrier")) < 1e-14  # what rounds
     assert run["sun.w"][2] > 0.0
+    assert [e.component for e in run.events if e.t == 0.0] == ["clutch"]  # which begins to slip
     assert next(e.t for e in run.events if e.component == "brake0") == pytest.approx(breaks, abs=1e-7)
