@@ -232,7 +232,7 @@ def test_the_same_while_a_mesh_rattles(beside, k, c, J, error, method):
 
 
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
-@pytest.mark.parametrize("held", [(1.7, 0.0713), (1.1, 0.7, 0.3), (0.9, 0.9)])
+@pytest.mark.parametrize("held", [(1.7, 0.0713), (1.1, 0.7, 0.3), (0.6, 0.6, 0.6)])
 @pytest.mark.few(3)
 def test_a_load_that_begins_at_zero_leaves_an_unloaded_freewheel_as_it_is(method, held):
     """A clutch of 3 |sin 20 t| N m from rest, on brakes side by side at the sun; the freewheel joins ring and carrier."""
