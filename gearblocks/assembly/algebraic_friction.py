@@ -61,8 +61,6 @@ def _massless_constraints(assembly: Assembly) -> Iterator[tuple[int, tuple[str, 
             names, behind = [], False
             path = assembly.train.components[index].path
             for name, constraint in batch.law.constraints.items():
-                if constraint.is_stop:
-                    continue
                 row: dict[int, Exact] = {}
                 for flange, expr in constraint.row.items():
                     group = batch.groups[flange][e] if flange in batch.groups else GROUND_GROUP
@@ -70,7 +68,9 @@ def _massless_constraints(assembly: Assembly) -> Iterator[tuple[int, tuple[str, 
                     for source, c in rows.get(group, {}).items():
                         row[source] = row.get(source, 0) + value * batch.gains[flange][e] * c
                 row = {g: c for g, c in row.items() if c}
-                if row and name == "loss" and constraint.losses and not independent.left(row):
+                if constraint.is_stop:
+                    _refuse_stop(path, row)
+                elif row and name == "loss" and constraint.losses and not independent.left(row):
                     behind = True
                 elif row:
                     names.append(name)
@@ -99,16 +99,31 @@ def _note(independent: Elimination, row: dict[int, Exact], path: str, geared: bo
     independent.solve(Combination(dict(left)), next(iter(left)))
 
 
+def _refuse_stop(path: str, row: dict[int, Exact]) -> None:
+    """ModelError for a stop at a massless group."""
+    if row:
+        raise ModelError(
+            f"'{path}': a stop acts on a shaft without inertia, which it could not hold by itself; put an Inertia there"
+        )
+
+
 def _refuse_losses(path: str, block: Any, at_a: bool) -> None:
     """ModelError for losses of a gear that the torques at its side without inertia do not tell."""
-    rows = block.loss_table or ((0.0, *block.efficiency, *(block.bearing or (0.0, 0.0))),)
-    for _, _, eta2, tau1, tau2 in (map(_number, row) for row in rows):
+    for eta2, tau1, tau2 in loss_rows(block):
         wrong = ("eta2 > 0" if eta2 < 0 else "tau1 = tau2" if tau1 != tau2 else "") if at_a else ""
         if wrong or (not at_a and tau1 > tau2):
             raise ModelError(
                 f"'{path}': the shaft at its side {'a' if at_a else 'b'} has no inertia, so that its losses need "
                 f"{wrong or 'tau1 <= tau2'} (eta2 = {eta2:g}, tau1 = {tau1:g} N m, tau2 = {tau2:g} N m); put an Inertia there"
             )
+
+
+def loss_rows(block: Any) -> Iterator[tuple[float, float, float]]:
+    """eta2, tau1, tau2 of every row of the losses of a gear, by the numbers that it has now."""
+    rows = block.loss_table or ((0.0, *block.efficiency, *(block.bearing or (0.0, 0.0))),)
+    for _, _, *of in rows:
+        eta2, tau1, tau2 = map(_number, of)
+        yield eta2, tau1, tau2
 
 
 def _number(x: Any) -> float:

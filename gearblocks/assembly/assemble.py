@@ -11,6 +11,7 @@ from typing import Any
 from gearblocks.assembly.algebraic_friction import algebraic_forces, force_unknowns
 from gearblocks.assembly.coordinates import Coordinates
 from gearblocks.assembly.elimination import Combination, dependency_order
+from gearblocks.assembly.gauged_gears import with_gauged_gears
 from gearblocks.assembly.inverted_relations import inverted_relations
 from gearblocks.assembly.kinematics import DependentGroup, PrescribedRow
 from gearblocks.assembly.rigid_constraints import RigidConstraint, merge
@@ -41,10 +42,24 @@ def assemble(train: Train, *, reading: bool = False) -> Assembly:
     whole, numbers = with_series_locked(assembly)
     if numbers:
         assembly = _assemble(whole, reading)
-    if (whole := algebraic_forces(assembly)) is not assembly.train:
-        assembly = _assemble(whole, reading)
+    assembly = _with_forces(assembly)
     assembly.structural = tuple(sorted({*assembly.structural, *numbers}))
     return assembly
+
+
+def _with_forces(assembly: Assembly) -> Assembly:
+    """The train whose friction, locks and lossy gears at massless groups are algebraic forces; where these are not told by the
+    balance of torques, and a lossy gear ties such a group to others, its tie has an inertia."""
+    while True:
+        try:
+            whole = algebraic_forces(assembly)
+        except ModelError:
+            whole = with_gauged_gears(assembly)
+            if whole is assembly.train:
+                raise
+            assembly = _assemble(whole, reading=False)
+            continue
+        return assembly if whole is assembly.train else _assemble(whole, reading=False)
 
 
 def _assemble(train: Train, reading: bool) -> Assembly:

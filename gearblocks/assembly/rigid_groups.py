@@ -20,7 +20,7 @@ from gearblocks.assembly.tables import GROUND_GROUP, Assembly, ExactValues, Star
 from gearblocks.errors import ModelError
 from gearblocks.language.block import given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
-from gearblocks.language.fields import ANGLE, SPEED
+from gearblocks.language.fields import ANGLE, SPEED, Unseen
 from gearblocks.language.signals import Parameter
 from gearblocks.laws.algebraic_friction import TIE, ForceUnknown, tie_row
 from gearblocks.laws.law import Law
@@ -88,7 +88,8 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
     free = [r for r in roots if r not in groups.grounded]
     with_inertia = {groups.find(node)[0] for node in bodies.present}
     given = _given_starts(assembly, laws)
-    reluctance = {r: (int(r in given), int(r in with_inertia)) for r in free}
+    unseen = {groups.find(node)[0] for node in _unseen_nodes(train)}
+    reluctance = {r: (int(r not in unseen), int(r in given), int(r in with_inertia)) for r in free}
     ground_angles = {path: groups.held_angles[r][0] for r, path in groups.grounded.items() if path is not None}
     kinematics = solve_dependent(_rows(assembly), _prescribed(assembly, laws), reluctance, ground_angles)
     for row, new in zip(groups.unmerged, kinematics.new, strict=True):
@@ -120,6 +121,14 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
         assembly.group_of_node.append((GROUND_GROUP if root in groups.grounded else number[root], gain))
         if root in groups.grounded:
             assembly.ground_offset[node] = groups.grounded[root]
+
+
+def _unseen_nodes(train: Train) -> Iterable[int]:
+    """Nodes that the assembly added."""
+    for c in train.components:
+        for flange, node in zip(type(c.block).flanges.values(), c.nodes, strict=True):
+            if isinstance(flange, Unseen):
+                yield node
 
 
 def _floating_parts(
@@ -299,4 +308,8 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
     for part, whole in assembly.floating.items():  # a part is named as its shaft
         for owners in found.values():
             owners[part] = owners[whole]
-    return [StartValues(*found[ANGLE][g][:2], *found[SPEED][g][:2]) for g in range(count)]
+    seen = next(
+        (g for g in range(count) if g not in assembly.force_unknowns), 0
+    )  # forces have no start angle: any does
+    names = [seen if g in assembly.force_unknowns else g for g in range(count)]
+    return [StartValues(*found[ANGLE][g][:2], *found[SPEED][g][:2]) for g in names]

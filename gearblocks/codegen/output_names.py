@@ -18,9 +18,8 @@ from gearblocks.codegen.program import (
     StartInfo,
 )
 from gearblocks.language.block import declared_state
-from gearblocks.language.fields import ANGLE, SPEED
+from gearblocks.language.fields import ANGLE, SPEED, Unseen
 from gearblocks.language.units import unit_along
-from gearblocks.laws.algebraic_friction import ForceUnknown
 from gearblocks.train.graph import Component
 from gearblocks.train.heat import heat_paths
 from gearblocks.train.translational import flange_names, slider_names, words_along
@@ -62,13 +61,19 @@ def _group(owners: tuple[str, ...], names: tuple[str, str], unit: str, words: st
 
 
 def flanges_of(g: Generator) -> tuple[list[tuple[BatchCode, str]], list[tuple[BatchCode, str]]]:
-    """Batches with their flanges in the order of the outputs, and those that stand for a force and are not shown."""
+    """Batches with their flanges in the order of the outputs, and those that are no shafts and not shown."""
     both: tuple[list[tuple[BatchCode, str]], list[tuple[BatchCode, str]]] = [], []
     for code in g.codes:
         for flange in code.batch.flanges:
             kind = type(components_of(g, code)[0].block)
-            both[isinstance(kind.flanges[flange], ForceUnknown)].append((code, flange))
+            both[isinstance(kind.flanges[flange], Unseen)].append((code, flange))
     return both
+
+
+def shown_bodies(g: Generator, code: BatchCode) -> list[str]:
+    """The flanges of a batch at which its bodies are, those that the assembly added aside."""
+    flanges = type(components_of(g, code)[0].block).flanges
+    return [flange for flange, _ in code.law.bodies if not isinstance(flanges[flange], Unseen)]
 
 
 def state_quantities(g: Generator) -> list[Quantity]:
@@ -112,7 +117,7 @@ def heat_infos(g: Generator) -> Iterator[HeatInfo]:
 def start_infos(g: Generator) -> Iterator[StartInfo]:
     """Names under which start values can be given: angle and speed of every body, states of blocks."""
     for code in g.codes:
-        for flange, _ in code.law.bodies:
+        for flange in shown_bodies(g, code):
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
             for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
                 if group != GROUND_GROUP and group < len(g.assembly.starts):
@@ -131,7 +136,7 @@ def dependent_starts(g: Generator) -> Iterator[DependentStart]:
     a, lay = g.assembly, g.lay
     expanded = expand_rows(a)
     for code in g.codes:
-        for flange, _ in code.law.bodies:
+        for flange in shown_bodies(g, code):
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
             for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
                 if group not in expanded or any(source >= len(a.starts) for source in expanded[group].groups):
@@ -174,7 +179,7 @@ def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:
     """Start values of bodies on shafts with prescribed motion, or whose speed or angle a balance of torques gives."""
     causes = _causes(g)
     for code in g.codes:
-        for flange, _ in code.law.bodies:
+        for flange in shown_bodies(g, code):
             for c, group in zip(components_of(g, code), code.batch.groups[flange], strict=True):
                 found = causes.get(group, {})
                 names = flange_names(flange in c.sliders)

@@ -15,7 +15,7 @@ from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.tables import GROUND_GROUP
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.output_names import components_of
+from gearblocks.codegen.output_names import components_of, shown_bodies
 from gearblocks.codegen.program import UNKNOWN, GroupStart, RigidRow
 from gearblocks.language.block import given_start
 from gearblocks.language.fields import ACCELERATION, ANGLE, COMPLIANCE, RELATIVE_ANGLE, RELATIVE_SPEED, SPEED
@@ -39,7 +39,7 @@ def group_starts(g: Generator) -> Iterator[GroupStart]:
         output, gain = shown.get(group, ("", 1.0))
         own = dependent.get(group)
         yield GroupStart(
-            -1 if start is None else lay.phi0[group],
+            -1 if start is None or group in a.force_unknowns else lay.phi0[group],
             1.0 if start is None else float(start.phi0_gain),
             lay.w0[group] if group < a.n_speeds else -1,
             float(a.starts[group].w0_gain) if group < a.n_speeds else 1.0,
@@ -66,7 +66,7 @@ def body_rows(g: Generator) -> Iterator[RigidRow]:
     """The angle of every body."""
     expanded = expand_rows(g.assembly)
     for code in g.codes:
-        for flange, _ in code.law.bodies:
+        for flange in shown_bodies(g, code):
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
             for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
                 if group == GROUND_GROUP:

@@ -191,6 +191,12 @@ class Flange(metaclass=Tidy):
             raise ModelError(f"Flange '{self.words}': slider = {self.slider!r} must be True, False or None (both)")
 
 
+class Unseen(Flange):
+    """A flange that the assembly adds to a block: no shaft of the train, and in no list of outputs or start values."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True, slots=True)
 class State(metaclass=Tidy):
     """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when).

@@ -21,7 +21,7 @@ import sympy as sp
 
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Acts, Contribution, Energy, LossyTie, Rate, Stick, Switch, Tie
-from gearblocks.language.fields import Flange
+from gearblocks.language.fields import Unseen
 from gearblocks.language.signals import Table
 from gearblocks.laws.checks import in_pair
 from gearblocks.laws.functions import TableAt
@@ -36,7 +36,7 @@ _TRACE = sp.Float(1e-200)
 
 
 @dataclass(frozen=True, slots=True)
-class ForceUnknown(Flange):
+class ForceUnknown(Unseen):
     """A flange that is no shaft: its speed is a constraint force, and its balance the law of that force."""
 
 

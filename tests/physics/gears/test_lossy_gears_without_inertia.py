@@ -126,37 +126,18 @@ def test_fields_that_need_compliance_say_so() -> None:
         rig.add("box", gb.Gearbox(ratio=2.0, half_gap=0.02))
 
 
-@pytest.mark.parametrize(("order", "losses", "rule"), [
-    ("gear first", {"efficiency": (0.9, 0.8), "bearing": (3.0, 1.0)}, "tau1 <= tau2"),
-    ("gear last", {"efficiency": (0.9, 0.8), "bearing": (1.0, 3.0)}, "tau1 = tau2"),
-    ("gear last", {"efficiency": (0.6, -0.4)}, "eta2 > 0"),
+@pytest.mark.parametrize(("losses", "rule"), [
+    ({"efficiency": (0.9, 0.8), "bearing": (1.0, 3.0)}, "tau1 = tau2"), ({"efficiency": (0.6, -0.4)}, "eta2 > 0"),
 ])  # fmt: skip
 def test_losses_that_the_torques_at_a_shaft_without_inertia_do_not_tell_are_refused(
-    order: str, losses: dict[str, tuple[float, float]], rule: str
+    losses: dict[str, tuple[float, float]], rule: str
 ) -> None:
-    rig = gb.Drivetrain(order)
+    rig = gb.Drivetrain("gear last")
     one, other = _ends(rig)
     gear, shaft = rig.add("gear", gb.LossyGear(ratio=2.5, **losses)), rig.add("shaft", gb.Shaft(k=500.0, c=2.0))
-    rig.chain(one, *((gear, shaft) if order == "gear first" else (shaft, gear)), other)
+    rig.chain(one, shaft, gear, other)
     with pytest.raises(gb.ModelError, match=f"'gear'.*{rule}.*put an Inertia there"):
         gb.build(rig)
-
-
-def test_a_lossy_gear_beside_a_clutch_is_refused_and_the_small_inertia_it_asks_for_is_not_stiff() -> None:
-    def train(J: float) -> gb.Drivetrain:
-        rig = gb.Drivetrain("gear and clutch")
-        one, other = _ends(rig)
-        gear, clutch = rig.add("gear", gb.LossyGear(ratio=2.5, efficiency=(0.9, 0.8))), gb.Clutch(capacity=6.0)
-        rig.chain(one, gear, *([rig.add("between", gb.Inertia(J=J))] if J else []), rig.add("clutch", clutch), other)
-        return rig
-
-    with pytest.raises(gb.ModelError, match=r"'clutch'.*put an Inertia there; 1e-6 of .* not stiff"):
-        gb.build(train(0.0))
-    runs = [gb.simulate(train(J), t=T, rtol=1e-10) for J in (2e-3, 1e-3, 0.3e-6)]
-    for body in ("one.w", "other.w"):
-        first, second, small = (run[body] for run in runs)
-        assert np.abs(small - (2 * second - first)).max() < 1e-5 * np.abs(small).max()
-    assert len(runs[2].events) > 4 and runs[2].stats.steps < 1.2 * runs[0].stats.steps
 
 
 @pytest.mark.long

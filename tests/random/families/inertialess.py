@@ -28,7 +28,31 @@ def inertialess(seed: int) -> Train:
     pieces.torque(g, bodies[-1])
     if d.chance(0.5):
         pieces.torque(g, d.choice(bodies))
+    if d.chance(0.3):
+        _gear_beside_friction(g, d.choice(bodies))
     return g.train()
+
+
+def _gear_beside_friction(g: Growth, a: str) -> None:
+    """A lossy gear and, straight beside it, friction or a stop to a further body, or to the ground as well."""
+    d, b, node = g.d, g.body(w0=g.speed()), g.bare()
+    size = digits(pieces.torque_size(g, a))
+    tau = (digits(size * d.log(0.01, 0.3)), digits(size * d.log(0.01, 0.3)))
+    driven = d.chance(0.6)
+    fields: dict[str, Any] = {"efficiency": (d.even(0.5, 1.0), d.even(0.4, 1.0))}
+    if d.chance(0.5):
+        fields["bearing"] = tau if driven else tuple(sorted(tau, reverse=True))
+    ends = (a, node) if driven else (node, a)
+    g.add("lossy", "LossyGear", dict(zip("ab", ends, strict=True)), ratio=d.ratio(), **fields)
+    for _ in range(d.choice((1, 1, 2))):
+        kind, other = d.choice(("Clutch", "Clutch", "OneWayClutch", "Freewheel")), b
+        ends = (node, other) if d.chance(0.5) else (other, node)
+        own = (
+            {} if kind == "Freewheel" else {"capacity": pieces.capacity_signal(g, size), "peak": d.choice((None, 1.2))}
+        )
+        g.add(kind.lower(), kind, dict(zip("ab", ends, strict=True)), **own)
+    if d.chance(0.2):
+        pieces.stop(g, node, b)
 
 
 def _compliant(g: Growth, a: str, b: str, size: float) -> None:
