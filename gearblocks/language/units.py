@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError
 from gearblocks.language.expression import finite_number
+from gearblocks.language.unit_spelling import in_one_piece, near_unit, same_letters
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """The base units of FMI, in its order."""
@@ -177,7 +178,8 @@ def _factor(word: str, text: str) -> tuple[Unit, int]:
     match = _FACTOR.fullmatch(word)
     one = None if match is None else _named(match[1])
     if match is None or one is None:
-        raise ParameterError(f"unit '{text}': '{word}' is no unit known here; known are {known_units()}")
+        way = near_unit(_plain(text), _names()) or f"; known are {known_units()}"
+        raise ParameterError(f"unit '{text}': '{word}' is no unit known here{way}")
     return one, int(match[2] or 1)
 
 
@@ -193,6 +195,12 @@ def _named(name: str) -> Unit | None:
         if one is not None and name.startswith(prefix):
             return one._replace(text=name, ratio=one.ratio * Fraction(10) ** power)
     return None
+
+
+@cache
+def _names() -> dict[str, bool]:
+    """Whether a name of a unit has a prefix, of all."""
+    return {prefix + name: True for prefix in _PREFIXES for name in _PREFIXED} | dict.fromkeys((*_SI, *_OTHERS), False)
 
 
 def _si_text(factors: list[tuple[Unit, int, int]]) -> str:
@@ -290,7 +298,7 @@ def same_measure(what: str, given: Unit, wanted: Unit) -> None:
     if not given.measures(wanted):
         raise ParameterError(
             f"{what} is in {given.text or '1'} ({given.si or '1'}), but what belongs here is in {wanted.text or '1'}"
-            f"{given.doubt(wanted)}"
+            f"{given.doubt(wanted)}{same_letters(given.text, wanted.text)}"
         )
 
 
@@ -356,6 +364,8 @@ def _read(what: str, value: Any, wanted: Unit) -> tuple[float, Unit]:
         point = "" if "." in number + behind else "."
         way = f"'{number}{point}{comma[1]}{behind[comma.end() :]}'"
         raise ParameterError(f"{what}: a number is written with a point and without commas: {way}")
+    if number and (way := in_one_piece(number, behind)):
+        raise ParameterError(f"{what}: a number is written without blanks or signs between its digits: '{way}'")
     if not (number and behind):
         example = f"'3 {wanted.text}'" if wanted.text not in ("", "1") else "3"
         raise ParameterError(f"{what} must be a number, or text of a number with its unit such as {example}")
