@@ -1,6 +1,7 @@
 """Every page of equations in a browser, at the widths of a screen and of a telephone: `pages.py BROWSER`.
 
-No page may be wider than its window, and on a screen no equation wider than its column. Prints what is, and ends with 1.
+No page may be wider than its window, no symbol of a table wider than its cell, and on a screen no equation wider than its
+column. Prints what is, and ends with 1.
 """
 
 import html
@@ -19,7 +20,11 @@ onload = () => {{
   const cut = x => x.scrollWidth > x.clientWidth + 1;
   const wide = [...page.querySelectorAll(".equation")].filter(x => cut(x.children[0]));
   const names = wide.map(x => x.querySelector(".of")?.textContent ?? "one without a number");
-  document.title = ["seen", root.clientWidth, root.scrollWidth, names.join(" ")].join(" ");
+  const right = x => x.getBoundingClientRect().right;
+  const leaves = (x, within) => [...x.querySelectorAll("math *")].some(y => right(y) > within + 1);
+  const over = [...page.querySelectorAll("td")].filter(x => leaves(x, right(x)));
+  const cells = over.map(x => x.textContent.trim().replace(/\\s+/g, "_"));
+  document.title = ["seen", root.clientWidth, root.scrollWidth, names.join(" "), "cells", cells.join(" ")].join(" ");
 }};
 </script>"""
 
@@ -36,14 +41,16 @@ def look(browser: str, page: Path, width: int) -> str:
         "--dump-dom",
     ]
     dom = subprocess.run([*command, page.as_uri()], capture_output=True, text=True, check=False, timeout=120).stdout
-    found = re.search(r"<title>seen (\d+) (\d+) (.*)</title>", dom)
+    found = re.search(r"<title>seen (\d+) (\d+) (.*) cells (.*)</title>", dom)
     if found is None:
         return "the browser did not show it"
-    inner, needed, wide = int(found[1]), int(found[2]), found[3]
+    inner, needed, wide, cells = int(found[1]), int(found[2]), found[3], found[4]
     if inner != width:
         return f"the frame is {inner} px wide"
     if needed > inner:
         return f"it needs {needed} px"
+    if cells:
+        return f"{cells} wider than the cell of a table"
     return f"{wide} wider than the column" if wide and width == SCREEN else ""
 
 

@@ -229,7 +229,10 @@ class Equations:
     def element(self, path: str) -> Document:
         """What one part of the train introduces. Raises ParameterError for a name that there is not."""
         if path not in self.kinds:
-            raise ParameterError(f"'{path}' is no part of '{self.name}'{did_you_mean(path, self.kinds)}")
+            parts = ", ".join([*self.kinds][:12]) + ", ..." * (len(self.kinds) > 12)
+            raise ParameterError(
+                f"'{path}' is no part of '{self.name}'; it has {parts}{did_you_mean(path, self.kinds)}"
+            )
         lines = tuple(sections.part(self, path))
         printed = {dataclasses.replace(name, dots=0) for name in names_in(lines)}
         entries = tuple((name, entry) for name, entry in self.nomenclature().entries if name in printed)

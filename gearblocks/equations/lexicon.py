@@ -183,6 +183,7 @@ class Lexicon:
             letter, spelling = _OF_SLIDERS.get(letter, letter), _OF_SLIDERS.get(spelling, spelling)
         symbol = self._claim(f"{spelling}_{flat(c.path)}{'_' if of else ''}{flat(of)}", (role, c.path, of))
         owner = f"{self._foot(c)} {of}".rstrip()
+        words = words_along(words, c.slides)
         entry = nomenclature.Entry(words, "", unit_along(unit, c.slides), c.path)
         self._note(symbol, names.Name(letter, "", owner), entry, c)
         return symbol

@@ -119,13 +119,15 @@ def of_defined(name: str, owner: str, slides: bool = False) -> Name:
 
 
 def of_table(field: str, owner: str) -> Name:
-    """A table in a field of a block: the capital of the field's letter, or its word; of an effect's own table the effect's."""
+    """A table in a field of a block: the capital of the field's letter if it differs from a Latin one, or its word; of an
+    effect's own table the effect's."""
     *effects, last = field.split(".")
     word, _, place = last.rstrip("]").partition("[")
     if effects and word == "table":
         word, *effects = effects
-    letter = _FIELDS.get(word, word)
-    return Name(letter.upper() if len(letter) == 1 else letter, _of_effects(effects) + place, owner)
+    letter = _FIELDS.get(word, GREEK.get(word, word))
+    capital = letter.upper() if letter.isascii() or letter.upper() in GREEK.values() else letter
+    return Name(capital if len(letter) == 1 else letter, _of_effects(effects) + place, owner)
 
 
 def plain(name: str) -> Name:

@@ -20,6 +20,8 @@ from gearblocks.laws.symbols import LawTable
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import words_along
 
+_TO_THE_USER = re.compile(r"[,:] an? gb\.\w+|, also over [\w.()]+|; None: [^;]*")
+
 
 @final
 @dataclass(frozen=True, slots=True)
@@ -37,7 +39,7 @@ def of_number(c: Component, path: str) -> Entry:
     """A number of a block, by its path inside it."""
     field, value = _found(c.block, path)
     unit = unit_along(field.unit, c.slides)
-    return Entry(words_along(field.words, c.slides), _value(value), _unit(value, unit), f"{c.path}.{path}")
+    return Entry(words_along(_told(field), c.slides), _value(value), _unit(value, unit), f"{c.path}.{path}")
 
 
 def of_shared(leaf: Parameter | Input) -> Entry:
@@ -75,12 +77,17 @@ def of_table(c: Component, paths: Sequence[str], table: Any) -> Entry:
     return Entry(words, "", unit, f"{c.path}.{paths[0]}", table)
 
 
+def _told(field: Field) -> str:
+    """The words of a field without what they say to the one who fills it in: its class, what None means."""
+    return _TO_THE_USER.sub("", field.words)
+
+
 def _words_of_table(c: Component, path: str) -> str:
     """What a table is: the words of its field, of what an effect is made of those of the effect."""
     *effects, last = path.split(".")
     if not effects or last != "table":
-        return words_along(_found(c.block, path)[0].words, c.slides)
-    words = (_found(c.block, ".".join(effects[: n + 1]))[0].words for n in range(len(effects)))
+        return words_along(_told(_found(c.block, path)[0]), c.slides)
+    words = (_told(_found(c.block, ".".join(effects[: n + 1]))[0]) for n in range(len(effects)))
     return words_along(", ".join(x.partition(",")[0] for x in words), c.slides)
 
 
