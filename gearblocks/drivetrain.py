@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
-from gearblocks.errors import ModelError, by_name, did_you_mean, missing_attribute
+from gearblocks.errors import ModelError, by_name, by_name_only, did_you_mean, missing_attribute
 from gearblocks.language.block import Block
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import Flange
@@ -56,6 +56,7 @@ class Drivetrain:
     def add(self, name: str, part: Drivetrain | Handle) -> Handle: ...
     @overload
     def add(self, name: str, part: _B) -> _B: ...
+    @by_name_only
     def add(self, name: str, part: Block | Drivetrain | Handle) -> Any:
         """Adds a block, or a copy of a train, under a name; returns a handle with its flanges and fields.
 
@@ -185,6 +186,7 @@ class Drivetrain:
             else:
                 yield f"{prefix}{name}", self, name, part
 
+    @by_name_only
     def set(self, values: Mapping[str, Any]) -> Drivetrain:
         """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}."""
         other = self._copy()

@@ -121,24 +121,37 @@ _FUNCTIONS = ("build", "simulate", "modes", "linearize", "sweep", "study", "camp
 
 def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """The function, with ParameterErrors for values without a name that need one, and for names that it has not."""
-    code = function.__code__
+    code, defaults = function.__code__, function.__kwdefaults__ or {}
     n, name = code.co_argcount, function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
     known = code.co_varnames[: n + code.co_kwonlyargcount]
+    first = known[:1].count("self")
+    by_place, by_name = known[: n - len(function.__defaults__ or ())], [x for x in known[n:] if x not in defaults]
+    listed = ", ".join(sorted(known[n:] or known[first:]))
+    call = f"{name}({', '.join([*by_place[first:], *(f'{x}=...' for x in by_name)])})"
 
     @wraps(function)
     def checked(*given: _P.args, **named: _P.kwargs) -> _R:
         if len(given) > n:
-            listed = ", ".join(sorted(known[n:]))
             raise ParameterError(f"{name}: {given[n]!r:.80} is given without a name; name it: {listed}")
         for argument in named:
             if argument not in known:
-                listed = ", ".join(sorted(known[n:] or known))
-                raise ParameterError(
-                    f"{name} has no argument '{argument}'; it has {listed}{did_you_mean(argument, known)}"
-                )
+                near = did_you_mean(argument, known)
+                raise ParameterError(f"{name} has no argument '{argument}'; it has {listed}{near or f'; write {call}'}")
+        if missing := [x for x in (*by_place[len(given) :], *by_name) if x not in named]:
+            raise ParameterError(f"{name} needs {' and '.join(missing)}; write {call}")
         return function(*given, **named)
 
     return checked
+
+
+ELSEWHERE = {
+    "Spring": "Shaft", "SpringDamper": "Shaft", "Disc": "Inertia", "Disk": "Inertia", "Flywheel": "Inertia", "Ground": "Fixed",
+    "ElastoBacklash": "Lash", "Position": "Angle", "Planetary": "IdealPlanetary",
+    "Motor": "Torque", "Signal": "Input", "Constant": "Parameter", "min": "minimum", "max": "maximum", "where": "piecewise",
+    "load": "Trajectory.load", "run": "simulate", "solve": "simulate", "Simulation": "simulate", "Train": "Drivetrain",
+    "System": "Drivetrain", "eigenmodes": "modes",
+}  # fmt: skip
+"""What other packages call a thing, and its name here."""
 
 
 def by_name(what: str, values: Any) -> Mapping[str, Any]:

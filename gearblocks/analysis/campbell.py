@@ -13,6 +13,7 @@ from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.language.tidy import Tidy
+from gearblocks.language.units import has_unit, number_in_si
 from gearblocks.pages import small_table
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
@@ -78,7 +79,7 @@ class Campbell(metaclass=Tidy):
 
 @by_name_only
 def campbell(
-    train: Drivetrain | Model, speed: str, speeds: Sequence[float] | Array, *,
+    train: Drivetrain | Model, speed: str, speeds: Sequence[float | str] | Array, *,
     orders: Mapping[str, float] | Sequence[float] | None = None, reference: str | None = None, at: OperatingPoint = "static",
     count: int | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> Campbell:  # fmt: skip
@@ -90,7 +91,7 @@ def campbell(
     count: the lowest modes only.
     """
     model = build(train)
-    values = np.atleast_1d(np.asarray(speeds, dtype=float))
+    values = np.atleast_1d(np.asarray(_in_si(speeds), dtype=float))
     if len(values) == 0 or not np.isfinite(values).all() or (np.diff(values) <= 0).any():
         raise ParameterError(f"speeds = {speeds!r:.80} must be finite and increase")
     names = {p.path: i for i, p in enumerate(model.program.parameters) if p.tunable}
@@ -112,6 +113,12 @@ def campbell(
     return Campbell(
         model.program.name, speed, values, table, np.array([row[:width] for row in damping]), lines, crossings
     )
+
+
+def _in_si(speeds: Any) -> Any:
+    """Speeds that bring their unit in rad/s."""
+    texts = isinstance(speeds, (list, tuple)) and any(map(has_unit, speeds))
+    return [number_in_si("speeds", x, "rad/s") if has_unit(x) else x for x in speeds] if texts else speeds
 
 
 def _body_of(model: Model, speed: str) -> str | None:

@@ -155,7 +155,9 @@ def _row(path: str, values: Any) -> Array:
     except (TypeError, ValueError, ParameterError):
         raise ParameterError(f"'{path}': {values!r:.80} must be a row of numbers") from None
     if row.ndim != 1 or not len(row):
-        raise ParameterError(f"'{path}': a row of numbers is needed, not an array of shape {row.shape}")
+        shown = f"{values!r:.80}" if row.ndim == 0 else f"an array of shape {row.shape}"
+        way = f"[{values!r:.60}]" if row.ndim == 0 else "[1.0, 2.0]"
+        raise ParameterError(f"'{path}': {shown} must be a row of numbers, such as {way}")
     if not np.isfinite(row).all():
         i = int(np.argmin(np.isfinite(row)))
         raise ParameterError(f"'{path}': value [{i}] = {row[i]} must be a finite number; leave it out or repair it")

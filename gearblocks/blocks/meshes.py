@@ -124,7 +124,7 @@ class GearMesh(Block):
             yield "the base radii are unknown: give module and pressure_angle, or r_base=(r1, r2)"
         resting = ("backlash", "damping") if hits(self) else ()
         if not self.is_compliant and (living := [n for n in self.effects() if n not in resting]):
-            yield f"{', '.join(living)} need compliance: give k"
+            yield f"{', '.join(living)} need{'s' * (len(living) == 1)} compliance: give k"
         if self.backlash is not None and self.backlash.gaps is not None:
             yield "backlash.gaps is for a spline, whose teeth are all in place at once; give half_gap"
         if not wrong_teeth:

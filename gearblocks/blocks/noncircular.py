@@ -88,7 +88,7 @@ class NonCircularGear(Block):
             yield "friction: a ratio law knows no teeth to slide on; give direction='square_wave' and wave=..."
         if self.k is None:
             if living := [n for n in self.effects() if n != "compliance"]:
-                yield f"{', '.join(living)} need compliance: give k"
+                yield f"{', '.join(living)} need{'s' * (len(living) == 1)} compliance: give k"
             if self.filter is None and (jerky := _corner(self.phase)) is not None:
                 yield (
                     f"phase = {self.phase!r:.80} has no acceleration ({jerky}), which a rigid pair must follow: "

@@ -180,7 +180,7 @@ def as_expr(x: Any) -> Expr:
     if is_sympy(x):
         return from_sympy(x)
     if isinstance(x, (bool, str)) or getattr(x, "shape", ()) != () or not hasattr(x, "__float__"):
-        raise ParameterError(f"{x!r:.80} cannot stand in an expression: it is neither a number nor an expression")
+        raise ParameterError(f"{x!r:.80} cannot stand in an expression: give SI, or gb.Parameter(name, value, unit)")
     return number(x)
 
 

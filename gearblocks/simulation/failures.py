@@ -135,5 +135,5 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
     ),
     Code.ERR_MEMORY: ("there is not enough memory", ""),
-    Code.ERR_CALLBACK: ("the input function raised an exception", "see the exception above"),
+    Code.ERR_CALLBACK: ("the input function raised an exception", "it must answer a number to a time in s; see above"),
 }  # fmt: skip

@@ -339,6 +339,9 @@ class _Run:
         t, (name, cause, remedy) = report.t, reason(program, code, report, self.sim.parameters)
         if code == Code.ERR_UNSTABLE and run is not None:
             name, cause, remedy = too_long(self.sim, program, run.meta["step"], self.rows, (name, cause, remedy))
+        if code == Code.ERR_CALLBACK and self.sim.error is not None:
+            raised = self.sim.error
+            cause = f"the input function raised {type(raised).__name__}: {raised}"
         if self.size > memory_limit(self.samples is not None):
             t = float(self.sim.counters.t)
             counts = Counter(np.concatenate(self.events)["index"].tolist()) if self.events else Counter()

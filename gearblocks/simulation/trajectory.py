@@ -222,7 +222,7 @@ class Trajectory:
             return f"the run has no {what} {name!r}: it has no outputs at all"
         return f"the run has no {what} {name!r}{_hint(str(name), self.names)}"
 
-    # -- between the samples ------------------------------------------------------------------------------------
+    # -- between the samples ----------------------------------------------------------------------------------
     def extremes(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremes:
         """(low, low_at, high, high_at): the lowest and the highest value of an output [its unit] and their times [s], located
         on the solution between the samples, in a window [s]. Equal to gb.trough and gb.peak. Raises UnknownNameError,
@@ -377,7 +377,7 @@ def _from_content(content: Content, case: Case | None = None) -> Trajectory:
 
 
 def _hint(name: str, names: Sequence[str]) -> str:
-    return f"; it has {_few(names, 12)}{did_you_mean(name, names)}"
+    return f"; it has {_few(names, 12)}{did_you_mean('t' if name == 'time' else name, [*names, 't'])}"
 
 
 def _by_name(columns: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike]) -> dict[str, Array]:

@@ -112,15 +112,16 @@ def unit_problems(path: str, block: Block, slides: bool) -> Iterator[str]:
 
 def _effect_problem(owner: Declared, name: str, value: Any) -> str:
     """An effect that is no effect object, or not of a class that the field is annotated with."""
+    kind: Any = type(owner)
+    allowed = effect_classes(kind, name)
     if isinstance(value, Effect):
-        kind: Any = type(owner)
-        allowed = effect_classes(kind, name)
         if not allowed or type(value) in allowed:
             return ""
         if not type(value).__module__.startswith("gearblocks.") and isinstance(value, allowed):
             return ""
-        return f"{name} = {value!r:.80} must be {' or '.join(f'gb.{kind.__name__}(...)' for kind in allowed)}, or None"
-    return f"{name} = {value!r:.80} must be an effect object such as gb.Backlash(...), or None"
+    wanted = " or ".join(f"gb.{kind.__name__}(...)" for kind in allowed)
+    such = f"an effect object such as {wanted or 'gb.Backlash(...)'}" if not isinstance(value, Effect) else wanted
+    return f"{name} = {value!r:.80} must be {such}, or None"
 
 
 def _problem(name: str, value: Any, field: Field) -> str:

@@ -1,8 +1,21 @@
 """Errors say everything they know, and survive the way between processes."""
 
 import pickle
+from operator import attrgetter
 
-from gearblocks.errors import CompileError, ModelError, SimulationError, UnknownNameError, did_you_mean
+import pytest
+
+import gearblocks as gb
+from gearblocks.errors import (
+    ELSEWHERE,
+    CompileError,
+    ModelError,
+    ParameterError,
+    SimulationError,
+    UnknownNameError,
+    by_name_only,
+    did_you_mean,
+)
 
 
 def test_a_model_error_lists_every_problem() -> None:
@@ -52,3 +65,30 @@ def test_no_near_name_asks_nothing() -> None:
 
 def test_a_last_part_finds_its_whole_path() -> None:
     assert did_you_mean("half_gap", ["mesh.backlash.half_gap"]) == " - did you mean 'mesh.backlash.half_gap'?"
+
+
+@by_name_only
+def _measured(train: str, speed: float = 1.0, *, over: str, step: float = 0.1) -> tuple[str, float, str, float]:
+    return train, speed, over, step
+
+
+def test_values_that_are_missing_misspelt_or_without_a_name_are_told_with_the_call() -> None:
+    call = r"write _measured\(train, over=\.\.\.\)"
+    with pytest.raises(ParameterError, match=f"_measured needs over; {call}"):
+        _measured("rig", 2.0)  # type: ignore[call-arg]
+    with pytest.raises(ParameterError, match=f"_measured needs train and over; {call}"):
+        _measured()  # type: ignore[call-arg]
+    with pytest.raises(ParameterError, match=f"has no argument 'length'; it has over, step; {call}"):
+        _measured("rig", length=3.0)  # type: ignore[call-arg]
+    with pytest.raises(ParameterError, match="did you mean 'over'"):
+        _measured("rig", ovr="mesh")  # type: ignore[call-arg]
+    with pytest.raises(ParameterError, match="'mesh' is given without a name; name it: over, step"):
+        _measured("rig", 2.0, "mesh")  # type: ignore[misc]
+    assert _measured("rig", over="mesh") == _measured(train="rig", speed=1.0, over="mesh", step=0.1)
+
+
+@pytest.mark.parametrize("name", ELSEWHERE)
+def test_what_other_packages_call_a_thing_is_no_name_here_and_leads_to_one(name: str) -> None:
+    with pytest.raises(AttributeError, match=f"here it is gb.{ELSEWHERE[name]}$"):
+        getattr(gb, name)
+    assert attrgetter(ELSEWHERE[name])(gb) is not None

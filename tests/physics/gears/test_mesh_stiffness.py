@@ -77,7 +77,7 @@ def test_an_internal_pair_has_the_stiffness_against_a_rack():
     ({"friction": gb.ToothFriction(mu=0.1, wave=1.0)}, "belong together"),
     ({"friction": gb.ToothFriction(mu=0.1, flank="left")}, "must be 'drive' or 'coast'"),
     ({"friction": gb.ToothFriction(mu=0.1), "addendum": 2.0}, "contact ratio is 2.9"),
-    ({"friction": gb.ToothFriction(mu=0.1), "k": None}, "friction need compliance"),
+    ({"friction": gb.ToothFriction(mu=0.1), "k": None}, "friction needs compliance"),
     ({"module": None, "pressure_angle": None, "r_base": (0.023, 0.041), "friction": gb.ToothFriction(mu=0.1)},
      "friction needs module, pressure_angle"),
     ({"backlash": gb.Backlash(gaps=(0.1, 0.1))}, "backlash.gaps is for a spline"),

@@ -164,7 +164,7 @@ def test_friction_loses_as_much_forwards_as_backwards():
     ({"planet_angles": (0.0, 2.0, 4.0)}, "the nearest place is 115.384615 degrees"),
     ({"planet_angles": (0.0, 2.0)}, "planet_angles has 2 angles for 3 planets"),
     ({"planet_angles": (0.0, float("nan"), 1.0)}, "must be a row of numbers in rad"),
-    ({"law": gb.MeshLaw(damping_ratio=0.1)}, "sun_mesh: damping need compliance"),
+    ({"law": gb.MeshLaw(damping_ratio=0.1)}, "sun_mesh: damping needs compliance"),
     ({"law": gb.MeshLaw(k=1e8, backlash=gb.Backlash(half_gap=1.0, law="x"))}, "ring_mesh: backlash.law = 'x'"),
     ({"law": gb.MeshLaw(k=-1.0)}, "sun_mesh.k = -1.0 N/m must be > 0"),
     ({"law": {"k": 1e8}}, "must be an effect object"),

@@ -49,7 +49,7 @@ def test_another_law_is_another_program(ratio_laws):
         ({"law": 2.0}, r"law = 2\.0 must be a gb\.RatioLaw"),
         ({"external": None}, "external = None must be True or False"),
         ({"k": -1.0}, r"k = -1\.0 N m/rad must be > 0"),
-        ({"k": None}, "damping need compliance: give k"),
+        ({"k": None}, "damping needs compliance: give k"),
         ({"k": gb.twist}, r"contains gb\.twist, which only the torque of a Shaft knows"),
         ({"k": None, "c": None, "phase": gb.Input("p")}, "has no acceleration.*an Input may jump"),
         ({"k": None, "c": None, "phase": gb.Table([0, 1], [0, 1])}, "a table of kind 'linear' has corners"),
