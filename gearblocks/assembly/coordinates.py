@@ -8,7 +8,7 @@ determines. Knows nothing of what acts along a form.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Mapping
+from collections.abc import Collection, Container, Iterable, Mapping
 
 from gearblocks.assembly.elimination import Combination, Elimination, Row
 from gearblocks.laws.rational import over
@@ -68,9 +68,9 @@ class Coordinates:
     def outward(self) -> dict[int, Combination]:
         """`definitions`, each by its own form alone: from the ground and from the groups that no form determines outwards, so
         that no angle is a difference of coordinates that it does not depend on. `definitions` themselves where forms can only
-        be solved together, or where angles are prescribed."""
+        be solved together, or (without circles) where angles are prescribed."""
         if self.given:
-            return self.definitions
+            return self._without_circles()
         unknown = [self.definitions.keys() & form.groups.keys() for form in self._forms]
         naming: dict[int, list[int]] = {}
         for number, groups in enumerate(unknown):
@@ -88,6 +88,26 @@ class Coordinates:
                 if other not in found and len(unknown[other]) == 1:
                     ready.append(other)
         return dict(found[i] for i in sorted(found)) if len(found) == len(unknown) else self.definitions
+
+    def _without_circles(self) -> dict[int, Combination]:
+        """`definitions`; in full where a prescribed angle reads a group that names it in turn: what cancels in full may stand
+        in the parts."""
+        found = dict(self.definitions)
+        for group, sources in self.given.items():
+            if group in self._named(sources):
+                found |= {g: self._elimination.reduced(Combination({g: 1})) for g in sources if g in found}
+        return found
+
+    def _named(self, sources: Iterable[int]) -> set[int]:
+        """The groups that these name, themselves, by their definitions or as prescribed angles."""
+        found: set[int] = set()
+        stack = list(sources)
+        while stack:
+            g = stack.pop()
+            if g not in found:
+                found.add(g)
+                stack += self.definitions[g].groups if g in self.definitions else self.given.get(g, ())
+        return found
 
     def _solved(self, number: int, pivot: int) -> Combination:
         """A group by the form of a coordinate."""
