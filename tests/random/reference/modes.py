@@ -79,7 +79,7 @@ class Modes(Impacts):
         smooth = len(self.jumps) == hits
         kept = self.kept(t, y) if smooth and not starting else None
         stays = self.stays(y, kept) if kept is not None else None
-        sticks = self.sticks(y, kept) if kept is not None else None
+        ended = self.ended(y) if kept is not None else []
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -98,7 +98,7 @@ class Modes(Impacts):
                 break
         if not fits:
             raise NoEvidenceError("no set of modes fits")
-        modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, stays, sticks, kept)
+        modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, stays, ended, kept)
         self.set(modes)
         self.lock()
         return y
@@ -294,14 +294,14 @@ class Modes(Impacts):
                 out[i] = None
         return out
 
-    def sticks(self, y: Array, kept: list[Any]) -> list[Any]:
-        """What has come to slip no more is to stick, whatever lets go for it.
+    def ended(self, y: Array) -> list[int]:
+        """Units that have come to slip no more.
 
-        Its peak lasts as long as it sticks. Where it slips on, its peak lasts for no time, and what is kept is kept.
+        One of them sticks, whatever lets go for it, if that is a motion: its peak lasts as long as it sticks. Where all slip
+        on, their peaks last for no time, and what is kept is kept.
         """
         v = self.qv(y)[1]
-        ended = [abs(d.mode) == 1 and abs(float(d.row @ v)) <= self.small() for d in self.s.dry]
-        return [0 if i < len(ended) and ended[i] else None for i in range(len(kept))]
+        return [i for i, d in enumerate(self.s.dry) if abs(d.mode) == 1 and abs(float(d.row @ v)) <= self.small()]
 
     def has_peak(self, member: Any) -> bool:
         """Whether it holds more than it slides with."""
@@ -319,19 +319,22 @@ class Modes(Impacts):
 
         return [x for x in fits if first(x[0], x[1])] or fits
 
-    def chosen(self, fits: list[tuple[Any, Array, Array]], *kept: list[Any] | None) -> tuple[Any, Array, Array]:
+    def chosen(
+        self, fits: list[tuple[Any, Array, Array]], stays: list[Any] | None, ended: list[int], kept: list[Any] | None
+    ) -> tuple[Any, Array, Array]:
         """Of several sets that which sticks most; where that is not clear, of those that keep what is to be kept.
 
-        The last two rules may contradict each other: how far each is from its peak on the way would tell, which is not asked.
+        That and the rule of what has ended may contradict each other: how far each is from its peak on the way would tell,
+        which is not asked.
         """
         found = self._most(fits)
-        each = [self._most(self._with(fits, given)) for given in kept if found is None and given is not None]
-        if each and each[0] is not None:
-            found = each[0]
-        elif each:
-            last = [x for x in each[1:] if x is not None]
-            if last and all(x[0] == last[0][0] for x in last):
-                found = last[0]
+        if found is None and stays is not None and kept is not None:
+            found = self._most(self._with(fits, stays))
+            if found is None:
+                stuck = [x for x in fits if any(x[0][i] == 0 for i in ended)]
+                last = [x for x in (self._most(stuck), self._most(self._with(fits, kept))) if x is not None]
+                if last and all(x[0] == last[0][0] for x in last):
+                    found = last[0]
         if found is None:
             raise NoEvidenceError("several sets of modes fit")
         return found
