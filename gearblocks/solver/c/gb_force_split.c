@@ -5,6 +5,11 @@ enum { GB_SPLITS = 625 };
 /* Most loads that are tried in search of the largest, and how close to it is on it. */
 enum { GB_ROUNDS = 60 };
 static const double GB_LIMIT = 1e-9;
+/* How far beyond a secant that ended short of it is looked for it, of what is left to search, at first; and by how
+ * little two of them differ where the next question is whether that is the limit. */
+static const double GB_BEYOND = 1.0 / 64.0, GB_SETTLED = 1e-5;
+/* Room that is not asked beyond, in parts of the load and of all bounds. */
+static const double GB_OF_LOAD = 3.0, GB_OF_BOUNDS = 0.05;
 
 /* A split with lossy gears along their sides forward and backward, two numbers each. is_own: the motion tells it.
  * associated: one within the bounds, those of these sides among them, wherever there is one. */
@@ -204,28 +209,29 @@ static double gb_split_load(const gb_lcp *problem, const int *is_own, const doub
  * are as large. What a split leaves is nothing all the way to its limit and tells no search how close that is. Bounds,
  * and those of lossy gears, contain 0: as they become smaller there is a split and from somewhere on none. What is left
  * times the factor of the load is convex in it and straight in pieces, so that secants from outside end on the limit;
- * beside lossy gears it is asked what is beyond. A combination of sides that these steps do not find lets the room be
- * told too small. */
+ * beside lossy gears it bends, a secant may end short of it, and what is a little beyond is asked. A combination of
+ * sides that these steps do not find lets the room be told too small. */
 static double gb_split_room(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
                             const double *force, double *x) {
     const int n = problem->A.n;
     const double load = gb_split_load(problem, is_own, force, x);
-    double most = 0.0, inside = 1.0, far = 0.0, far_left = 0.0;
+    double most = 0.0, inside = 1.0, far = 0.0, far_left = 0.0, part = 0.5;
     for (int i = 0; i < n; i++) {
         const double upper = problem->in[i] && !is_own[i] ? fabs(bounds->upper[i]) : 0.0;
         most += upper < HUGE_VAL ? fabs(gb_delassus_diagonal(&problem->A, i)) * upper : 0.0;
     }
+    const double enough = most > 0.0 ? fmin(most, GB_OF_LOAD * load + GB_OF_BOUNDS * most) : load;
     if (!(load > 1e-3 * most)) {
-        return most;
+        return enough;
     }
-    double outside = most > 0.0 ? 1.0 + most / load : 2.0; /* more room than that is as good */
+    double outside = 1.0 + enough / load;
     double left = outside * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / outside, x);
     const double on_limit = GB_LIMIT * left;
     inside = left > 0.0 ? inside : outside;
     for (int round = 0; round < GB_ROUNDS && outside - inside > GB_LIMIT * outside; round++) {
         const double secant = outside - left * (far - outside) / (far_left - left);
         const int told = far > outside && secant > inside && secant < outside;
-        const double next = told ? secant : 0.5 * (inside + outside);
+        const double next = told ? secant : inside + part * (outside - inside);
         const double now = next * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / next, x);
         if (now > on_limit) {
             far = outside;
@@ -234,12 +240,14 @@ static double gb_split_room(const gb_lcp *problem, const int *is_own, const doub
             left = now;
             continue;
         }
-        inside = next;
         const double beyond = next + 4.0 * GB_LIMIT * outside;
-        if (told && (!bounds->tie_of ||
-                     beyond * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / beyond, x) > on_limit)) {
+        const int settled = told && (!bounds->tie_of || fmin(next - inside, outside - next) <= GB_SETTLED * outside);
+        inside = next;
+        if (settled && (!bounds->tie_of ||
+                        beyond * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / beyond, x) > on_limit)) {
             break; /* on the limit but for rounding */
         }
+        part = told ? GB_BEYOND : fmin(8.0 * part, 0.5);
     }
     return load * (inside - 1.0);
 }
