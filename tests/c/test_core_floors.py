@@ -44,7 +44,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_sliding", "gb_sliding_outputs", "gb_event_values", "gb_features"),
     ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_defect"),
     ("gb_enclosed_limit",),
-    ("gb_locate_enclosed", "gb_departure", "gb_drift", "gb_cut"),
+    ("gb_locate_enclosed", "gb_departure", "gb_departed", "gb_drift", "gb_cut"),
     ("gb_locate_polynomial", "gb_start"),
     ("gb_locate",),
     ("gb_account", "gb_record"),

@@ -3,11 +3,11 @@
 #include "gb_evaluate.h"
 #include "gb_event.h"
 #include "gb_follow.h"
+#include "gb_force_noise.h"
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_sliding.h"
 #include "gb_time_terms.h"
-#include "gb_tolerance.h"
 #include "gb_vector.h"
 
 /* How far ahead is looked, and how much further each time; steps of a look, and the most where they do not agree. */
@@ -72,17 +72,8 @@ static int mark(gb_sim *sim) {
     return count;
 }
 
-/* The motion so far ahead, and the event functions there. */
-static int follow(gb_sim *sim, double time, int steps, double *s) {
-    const int code = gb_follow(sim, time, steps, gb_scratch_row(sim, STATE));
-    if (code == GB_DONE) {
-        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, gb_scratch_row(sim, STATE), s);
-    }
-    return code;
-}
-
-/* sum |ds/dy_j| |y_j| of all event functions at the state that was followed, where they are events.s, into `located`.
- */
+/* sum |ds/dy_j| |y_j| of all event functions at the state that was followed, where they are events.s, into `located`;
+ * of forces also what rounding leaves of them beside others, which loads over time bring with them. */
 static void sizes(gb_sim *sim) {
     double *state = gb_scratch_row(sim, STATE), *moved = sim->events.moved, *size = sim->events.located;
     memset(size, 0, sizeof(double) * (size_t)sim->model->n_event_functions);
@@ -97,6 +88,13 @@ static void sizes(gb_sim *sim) {
             state[j] = kept;
         }
     }
+    for (int c = 0; c < sim->model->n_constraints; c++) {
+        const int i = sim->model->constraints[c].active;
+        double force;
+        if (fabs(sim->events.side[i]) == MARKED) {
+            size[i] += gb_force_rounding(sim, i, sim->instant.time_terms, state, &force) / OF_ROUNDING;
+        }
+    }
 }
 
 /* How far event function i, with the value s, is beyond its limit. */
@@ -105,18 +103,30 @@ static double outward(const gb_sim *sim, int i, double s) {
     return side * (s - (side < 0.0 ? sim->events.lo[i] : sim->events.hi[i]));
 }
 
+/* What holds, and is not to be decided, lets go before the state that was followed: the motion is another one there. */
+static int lets_go(const gb_sim *sim, double unit) {
+    int found = 0;
+    for (int c = 0; c < sim->model->n_constraints; c++) {
+        const int i = sim->model->constraints[c].active;
+        found |= gb_is_active(sim, c) && sim->events.side[i] == 0.0 &&
+                 sim->events.s[i] - sim->events.hi[i] > unit * sim->events.located[i];
+    }
+    return found;
+}
+
 /* Looks `time` ahead and decides what is plain there, with so many steps that twice as many say the same; how much is
  * left to decide. */
 static int look(gb_sim *sim, double time, int *left) {
     const size_t all = sizeof(double) * (size_t)sim->model->n_event_functions;
     const double unit = gb_max(OF_ROUNDING, OF_TOLERANCE * sim->head->options.rtol);
-    int code = follow(sim, time, STEPS, sim->events.s0), doubt = 1;
+    double *state = gb_scratch_row(sim, STATE);
+    int code = gb_follow_functions(sim, time, STEPS, state, sim->events.s0), doubt = 1;
     for (int steps = 2 * STEPS; steps <= MOST_STEPS && doubt && code == GB_DONE; steps *= 2) {
-        code = follow(sim, time, steps, sim->events.s);
+        code = gb_follow_functions(sim, time, steps, state, sim->events.s);
         if (code == GB_DONE) {
             sizes(sim);
         }
-        if (code != GB_DONE || gb_passes_a_stop(sim, unit)) {
+        if (code != GB_DONE || gb_passes_a_stop(sim, unit) || lets_go(sim, unit)) {
             *left = 0;
             return code;
         }
@@ -141,7 +151,8 @@ static int look(gb_sim *sim, double time, int *left) {
 
 /* Nothing that is marked moves at all. */
 static int rests(gb_sim *sim, double longest) {
-    int moves = follow(sim, longest, STEPS, sim->events.s) != GB_DONE;
+    double *state = gb_scratch_row(sim, STATE);
+    int moves = gb_follow_functions(sim, longest, STEPS, state, sim->events.s) != GB_DONE;
     for (int i = 0; i < sim->model->n_event_functions; i++) {
         moves |= sim->events.side[i] != 0.0 && outward(sim, i, sim->events.s[i]) != 0.0;
     }
@@ -301,50 +312,4 @@ int gb_depart(gb_sim *sim, int before, int timed) {
         }
     }
     return code == GB_DONE && flipped > 0 ? hold_trapped(sim) : code;
-}
-
-/* Looks at all event functions `time` ahead, into located, and with half as many steps, into s0; whether it can. */
-static int look_beyond(gb_sim *sim, double time) {
-    const int seen = follow(sim, time, STEPS, sim->events.s0) == GB_DONE &&
-                     follow(sim, time, 2 * STEPS, sim->events.located) == GB_DONE;
-    return gb_time_terms_at(sim, sim->head->front.t1) == GB_DONE && seen;
-}
-
-/* Event function i, held, is no farther from its limit than the tolerance of a step leaves of it: of states that are
- * small beside what counts as size for them (from rest, or beside faster ones) only the look ahead knew the side. And
- * the motion from here does not carry it back through its limit within `time`, nor as far beyond. seen: whether the
- * look at all of them can be had, -1: not tried yet. Assumed: what tolerances admit in `until`. */
-static int cannot_be_told(gb_sim *sim, int i, double time, int *seen) {
-    const double side = sim->events.held_side[i], limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
-    if (fabs(sim->events.s[i] - limit) > sim->events.until[i]) {
-        return 0;
-    }
-    *seen = *seen < 0 ? look_beyond(sim, time) : *seen;
-    const double now = side * (sim->events.s[i] - limit), off = side * (sim->events.located[i] - limit);
-    const int sure = *seen && fabs(sim->events.located[i] - sim->events.s0[i]) <= 0.3 * fabs(off);
-    return !(sure && off > (now < 0.0 ? 0.0 : sim->events.until[i]));
-}
-
-int gb_departed(gb_sim *sim) {
-    struct gb_event_state *events = &sim->head->events;
-    const double now = sim->head->front.t1, time = gb_min(FURTHER * sim->head->front.h, events->t_break - now);
-    const int code = gb_event_functions_now(sim), adaptive = !(sim->head->options.step > 0.0);
-    int seen = -1;
-    events->held_until = HUGE_VAL;
-    sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
-    if (code == GB_DONE && adaptive) {
-        gb_tolerances_of_small(sim, sim->events.until);
-    }
-    for (int i = 0; i < sim->model->n_event_functions && code == GB_DONE; i++) {
-        const int due = sim->events.held_side[i] != 0.0 && sim->events.held[i] <= now;
-        if (due && adaptive && cannot_be_told(sim, i, time, &seen)) {
-            sim->events.held[i] = now + FURTHER * sim->head->front.h;
-        } else if (due) {
-            sim->events.held_side[i] = 0.0;
-        }
-        if (sim->events.held_side[i] != 0.0) {
-            events->held_until = gb_min(events->held_until, sim->events.held[i]);
-        }
-    }
-    return code == GB_DONE ? gb_settle_modes(sim, 1) : code;
 }

@@ -12,7 +12,4 @@
  */
 int gb_depart(gb_sim *sim, int before, int timed);
 
-/* The front has come to where the side is plain: limits are watched again. */
-int gb_departed(gb_sim *sim);
-
 #endif

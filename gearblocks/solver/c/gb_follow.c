@@ -42,6 +42,14 @@ int gb_follow(gb_sim *sim, double time, int steps, double *state) {
     return code == GB_DONE ? gb_time_terms_at(sim, t + time) : code;
 }
 
+int gb_follow_functions(gb_sim *sim, double time, int steps, double *state, double *s) {
+    const int code = gb_follow(sim, time, steps, state);
+    if (code == GB_DONE) {
+        sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, state, s);
+    }
+    return code;
+}
+
 int gb_follow_finite(gb_sim *sim, double time, int steps, double *state) {
     int code = gb_follow(sim, time, steps, state);
     while (code == GB_DONE && time > 0.0 && !(gb_taint(state, sim->model->n_padded) == 0.0)) {

@@ -15,8 +15,11 @@ static inline double *gb_scratch_row(const gb_sim *sim, int number) {
 /* The state after `time` in so many steps, from the front; `instant` holds its time terms afterwards. */
 int gb_follow(gb_sim *sim, double time, int steps, double *state);
 
-/* The same, or a quarter as far as often as it takes: what the classical method makes of a motion much faster than its
- * steps is no number in the end. */
+/* The same, and the event functions there, into s. */
+int gb_follow_functions(gb_sim *sim, double time, int steps, double *state, double *s);
+
+/* The state alone, or a quarter as far as often as it takes: what the classical method makes of a motion much faster
+ * than its steps is no number in the end. */
 int gb_follow_finite(gb_sim *sim, double time, int steps, double *state);
 
 #endif

@@ -19,7 +19,15 @@ static int constraint_of(const gb_sim *sim, int i) {
     return constraint >= 0 && gb_is_active(sim, constraint) ? constraint : -1;
 }
 
-double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double *y) {
+/* Speeds, as large as they have been, are no more than what rounding of the force of constraint i, as slip
+ * acceleration, makes of them in the time that has passed: nothing has moved yet. */
+static int nothing_moved(const gb_sim *sim, int i, double acceleration) {
+    const struct gb_front *front = &sim->head->front;
+    const double speed = gb_largest_speed(sim, sim->control.largest);
+    return speed * sim->constraints.row_size[i] <= acceleration * (front->t1 - front->t_start);
+}
+
+double gb_idle_force(gb_sim *sim, int i, double rounding, const double *time_terms, const double *y) {
     const gb_delassus W = gb_delassus_of(sim);
     const int constraint = constraint_of(sim, i);
     if (constraint < 0) {
@@ -27,6 +35,9 @@ double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double 
     }
     sim->model->delassus(sim->par, sim->mode, time_terms, y, 0, sim->constraints.delassus);
     const double own = gb_delassus_diagonal(&W, constraint);
+    if (nothing_moved(sim, constraint, rounding * own)) {
+        return 0.0;
+    }
     return own > 0.0 ? 64.0 * DBL_EPSILON * imperceptible(sim, constraint) / own : 0.0;
 }
 
@@ -52,5 +63,6 @@ double gb_force_rounding(gb_sim *sim, int i, const double *time_terms, const dou
 }
 
 double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y, double *force) {
-    return gb_max(gb_force_rounding(sim, i, time_terms, y, force), gb_idle_force(sim, i, time_terms, y));
+    const double rounding = gb_force_rounding(sim, i, time_terms, y, force);
+    return gb_max(rounding, gb_idle_force(sim, i, rounding, time_terms, y));
 }

@@ -13,7 +13,8 @@ double gb_force_rounding(gb_sim *sim, int i, const double *time_terms, const dou
 /* The same, and what is no more beside the speeds that it could change in the step at hand. */
 double gb_force_noise(gb_sim *sim, int i, const double *time_terms, const double *y, double *force);
 
-/* The part of that which follows from the speeds alone: such a force moves nothing in the step at hand. */
-double gb_idle_force(gb_sim *sim, int i, const double *time_terms, const double *y);
+/* The part of that which follows from the speeds alone: such a force moves nothing in the step at hand. 0: nothing has
+ * moved so far by more than `rounding`, that of the same force, does. */
+double gb_idle_force(gb_sim *sim, int i, double rounding, const double *time_terms, const double *y);
 
 #endif

@@ -1,5 +1,6 @@
 #include "gb_locate.h"
 #include "gb_constraint_state.h"
+#include "gb_event_values.h"
 #include "gb_force_enclosure.h"
 #include "gb_force_noise.h"
 #include "gb_limit_noise.h"
@@ -12,22 +13,36 @@
 /* Part of a step from which on its end is looked at for a bound that has come to a force of noise. */
 static const double LAST = 1.0 - 1e-6;
 
-/* The force of an active constraint, located in this step, is on its bound at both ends of it but for what moves
- * nothing: a contact whose damping eats up its spring leaves such a force to a freewheel behind it. Where the force is
- * more than that itself, only its rounding moves nothing: what is beyond the bound in each of many short steps moves.
- * So where a step is tried again with a part of its size: what moves nothing in the part was something in the whole.
- * Before anything has moved, its rounding alone tells. */
+/* Where in a step is looked whether a force that is none at both ends is none between: bounds and loads that pass zero
+ * in turn do so at halves and quarters, and what has just reached its bound may be far inside it later on. */
+static const double WITHIN[] = {0.001, 0.03125, 0.14, 0.382, 0.618, 0.86};
+
+/* The excess of constraint force i is no more than noise between the ends of the step either. */
+static int stays_within(gb_sim *sim, int i, double noise) {
+    int stays = 1;
+    for (size_t l = 0; l < sizeof WITHIN / sizeof WITHIN[0] && stays; l++) {
+        stays = gb_event_functions_at(sim, WITHIN[l], sim->events.s) != GB_DONE ||
+                sim->events.s[i] - sim->events.hi[i] < noise;
+    }
+    return stays;
+}
+
+/* The force of an active constraint, located in this step, is on its bound at both ends of it, and not beyond between,
+ * but for what moves nothing: a contact whose damping eats up its spring leaves such a force to a freewheel behind it.
+ * Where the force is more than that itself, only its rounding moves nothing: what is beyond the bound in each of many
+ * short steps moves. So where a step is tried again with a part of its size: what moves nothing in the part was
+ * something in the whole. Before anything has moved, its rounding alone tells. */
 static int is_no_force(gb_sim *sim, int i, double start, const double *time_terms) {
-    const double idle = gb_idle_force(sim, i, time_terms, sim->z);
     double force;
     const double rounding = gb_force_rounding(sim, i, time_terms, sim->z, &force);
+    const double idle = gb_idle_force(sim, i, rounding, time_terms, sim->z);
     const double least = idle > 0.0 ? gb_min(idle, rounding) : rounding;
     const double noise = force < idle && !sim->events.again ? idle : least;
     if (!(fabs(start) < noise)) {
         return 0;
     }
     sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
-    return fabs(sim->events.s[i] - sim->events.hi[i]) < noise;
+    return fabs(sim->events.s[i] - sim->events.hi[i]) < noise && stays_within(sim, i, noise);
 }
 
 /* The force of an active constraint, located right at the end of this step, is noise there, and so is what its bound

@@ -9,6 +9,9 @@
 /* Rounding of the acceleration of what locks hold, in parts of those that make it up. */
 static const double OF_LOCKS = 256.0 * DBL_EPSILON;
 
+/* Part of it by which noise is more. */
+static const double MORE = 1.0 + 1e-6;
+
 /* By how much the rates of implicit methods in time, which are differences over a small part of a step, are noisier. */
 static const double OF_DIFFERENCES = 1e2;
 
@@ -50,8 +53,9 @@ static void accelerations_of_locks(gb_sim *sim, const double *time_terms, const 
     }
 }
 
-/* What locks make one moves as one: of two speeds that such a row ties, one without noise has that of the other, times
- * the gain. */
+/* What locks make one moves as one: of two speeds that such a row ties, each has the noise of the other, times the
+ * gain, where that is more. A body that hangs at a lock that carries nothing follows what others make of the one it
+ * hangs at. */
 static void share_among_tied(const gb_sim *sim, double *noise) {
     const gb_constraint_rows *rows = sim->model->constraint_rows;
     const gb_active_set a = gb_active_at(rows, sim->mode + sim->model->n_switches);
@@ -63,10 +67,10 @@ static void share_among_tied(const gb_sim *sim, double *noise) {
             const int e = a.start[r], two = a.start[r + 1] == e + 1 && a.value[e] != 0.0;
             double *one = of + rows->speed[a.pivot[r]], *other = two ? of + rows->speed[a.column[e]] : one;
             const double gain = two ? fabs(a.value[e]) : 1.0;
-            if (*one == 0.0 && *other > 0.0) {
+            if (MORE * *one < gain * *other) {
                 *one = gain * *other;
                 changed = 1;
-            } else if (*other == 0.0 && *one > 0.0) {
+            } else if (MORE * gain * *other < *one) {
                 *other = *one / gain;
                 changed = 1;
             }
@@ -86,9 +90,7 @@ int gb_noise_of_locks(gb_sim *sim, const double *time_terms, const double *y, do
         const double noise = i < model->n - model->n_speeds ? 0.0 : part * (fabs(left[i]) + most[i]);
         left[i] = noise < HUGE_VAL ? noise : 0.0;
     }
-    if (sim->head->control.unscaled || sim->head->counts.steps == 0) {
-        share_among_tied(sim, left);
-    }
+    share_among_tied(sim, left);
     for (int i = 0; i < model->n; i++) {
         beyond |= left[i] > sim->control.noise[i];
     }

@@ -1,5 +1,6 @@
 #include "gb_run.h"
 #include "gb_dense_output.h"
+#include "gb_departed.h"
 #include "gb_departure.h"
 #include "gb_event.h"
 #include "gb_quantity.h"
