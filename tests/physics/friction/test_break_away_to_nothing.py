@@ -82,7 +82,7 @@ def _cases(number):
         yield Case(a, p, b, b * draw.uniform(1.2, 3.0), draw.uniform(3.0, 9.0))
 
 
-@pytest.mark.parametrize("case", _cases(24))
+@pytest.mark.parametrize("case", list(_cases(24)))
 @pytest.mark.few(4)
 def test_what_lets_go_shortly_before_its_load_is_none_is_not_missed(case):
     true, model = case.angle(END), gb.build(case.rig())
