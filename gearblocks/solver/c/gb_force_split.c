@@ -12,7 +12,9 @@ static const double GB_BEYOND = 1.0 / 64.0, GB_SETTLED = 1e-5;
 static const double GB_OF_LOAD = 3.0, GB_OF_BOUNDS = 0.05;
 
 /* A split with lossy gears along their sides forward and backward, two numbers each. is_own: the motion tells it.
- * associated: one within the bounds, those of these sides among them, wherever there is one. */
+ * associated: one within the bounds, those of these sides among them, wherever there is one. None is found: no forces,
+ * which leave all of the load (what the search ends with may fulfil the equations, far beyond the bounds, or be no
+ * number). */
 static void gb_split_once(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
                           const int *sides, int associated, double *x) {
     const int n = problem->A.n;
@@ -39,7 +41,9 @@ static void gb_split_once(const gb_lcp *problem, const int *is_own, const double
     const gb_coupled_bounds coupled = {on, lo_slope, hi_slope, associated};
     gb_lcp once = *problem;
     once.coupled = bounds->tie_of ? &coupled : NULL;
-    gb_lcp_solve(&once, b, lo, hi, x);
+    if (!gb_lcp_solve(&once, b, lo, hi, x)) {
+        memset(x, 0, sizeof(double) * (size_t)n);
+    }
 }
 
 /* Sides of the loss i for a force of its tie. */

@@ -181,11 +181,20 @@ static int first_through(gb_sim *sim, int i, double side, double until, double t
     return f[0] > 0.0 ? look_at_force(sim, i, side, f, tolerance, first) : code;
 }
 
+/* What is noise of the force of constraint i over the step: of its start or its end, whichever carries more. Where the
+ * load comes to zero rounding does too, while that of the samples before does not. */
+static double noise_over_step(gb_sim *sim, int i) {
+    const double *time_terms = sim->lanes.time_terms;
+    double force;
+    return gb_max(gb_force_noise(sim, i, time_terms, sim->y0, &force),
+                  gb_force_noise(sim, i, time_terms + sim->method->stages, sim->z, &force));
+}
+
 /* The step is so long that the samples do not tell what the force of an active constraint does (switch i), which could
  * reach its bound: what bends between samples is no small part of what changes at all. A train at rest has no other
  * reason for its steps. */
 static int is_untold(gb_sim *sim, int i) {
-    double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, force, f[POINTS];
+    double least = HUGE_VAL, most = -HUGE_VAL, bend = 0.0, f[POINTS];
     sampled_distances(sim, i, 1.0, f);
     for (int l = 0; l < POINTS; l++) {
         least = gb_min(least, f[l]);
@@ -196,8 +205,7 @@ static int is_untold(gb_sim *sim, int i) {
     }
     const double start = fabs(f[1] - (21.0 * f[0] + 14.0 * f[2] - 3.0 * f[3]) / 32.0);
     const double range = gb_max(most - least, start);
-    return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range &&
-           range > gb_force_noise(sim, i, sim->lanes.time_terms + sim->method->stages, sim->z, &force);
+    return least < 2.0 * range && gb_max(bend, 4.0 * start) > 0.3 * range && range > noise_over_step(sim, i);
 }
 
 /* It has a limit, and no enclosure. */
