@@ -39,8 +39,8 @@ def with_gauged_gears(assembly: Assembly) -> Train:
 
 
 def _answers(block: Any) -> bool:
-    """Whether something enters at a whatever leaves at b: else a force at b does not hold a that has no inertia."""
-    return all(eta2 > 0 and tau1 >= tau2 for eta2, tau1, tau2 in loss_rows(block))
+    """Whether what enters at a tells what leaves at b, and something enters whatever leaves."""
+    return all(eta2 > 0 and tau1 == tau2 for eta2, tau1, tau2 in loss_rows(block))
 
 
 def _row(batch: Batch, e: int) -> dict[int, Exact]:

@@ -33,8 +33,7 @@ class LossyGear(Block):
     a (self-locking); pushed on from b it asks a for torque all the same. Where tau1 < tau2 no torque enters at a between
     the two cases; where tau1 > tau2 both hold in between and the present one goes on; where a run begins there, a drives.
     At rest it sticks while tau_a lies between what both directions would ask for; there nothing starts to move that can stay
-    at rest. A side may be without inertia: at b, and at a with tau1 >= tau2 and eta2 > 0, where the other one has some;
-    between two shafts or gaps with tau1 = tau2 and eta2 > 0.
+    at rest. A side may be without inertia: at b where a has some, at a or both with tau1 = tau2 and eta2 > 0.
     mode: 0 stuck, else the sign of w_a.
     Raises SimulationError where the losses admit no acceleration: a self-locking gear that b drives while it turns jams,
     as the friction grows faster than what slows it down, where J_a ratio^2 < -eta2 J_b. A run that begins with such a gear

@@ -5,6 +5,7 @@
              going by impacts on the given bodies alone)
     angles   deflection = 0, phi = given; lossy ties as far as these leave them free; then the first free body at 0
 
+Where ratios vary with the angles, their tangents stand in: the angles are found by Newton's method, the speeds at these.
 Answers a parameter vector, in which the start values are these. Knows nothing of runs.
 """
 
@@ -12,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,15 +23,19 @@ from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.language.starts import Rolling, is_rolling
 from gearblocks.simulation.arguments import checked, resolve, start_number
 from gearblocks.simulation.failures import reason
+from gearblocks.simulation.rolling_rows import RowsTaken
+from gearblocks.simulation.varying_ratios import VaryingRatios, varies, varying_ratios
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.kinematics import kinematics
 from gearblocks.solver.library import Model
 from gearblocks.solver.matrix_algebra import algebra_of
 from gearblocks.solver.point import Point, opened
-from gearblocks.solver.rigid_motion import AGREES, RigidMotion
+from gearblocks.solver.rigid_motion import AGREES
 from gearblocks.solver.structures import Array, Code
 from gearblocks.solver.switched_constraints import ConstraintKind
-from gearblocks.train.disjoint_sets import DisjointSets
+
+_NONE = VaryingRatios((), {})
+_ROUNDS, _MET = 60, 1e-9  # of Newton's method; a change of angles below which it may end, where it gets no smaller
 
 
 def rolled(model: Model, sim: Simulation, t: float, initial: Any) -> Array:
@@ -45,8 +50,7 @@ def rolled(model: Model, sim: Simulation, t: float, initial: Any) -> Array:
             "it out, or give start values by name"
         )
     given = _named(model, vector, initial.values if isinstance(initial, Rolling) else {})
-    with _at_rest(sim, model.program, t, vector) as point:
-        angles, speeds = _angles(model.program, vector, given, point), _speeds(model.program, vector, given, point)
+    angles, speeds = _rolling(model.program, sim, t, vector, given)
     for g, start in enumerate(model.program.groups):
         if start.angle >= 0:
             _write(model, vector, start.angle, start.angle_gain * angles[g])
@@ -56,11 +60,38 @@ def rolled(model: Model, sim: Simulation, t: float, initial: Any) -> Array:
     return vector
 
 
+def _rolling(
+    program: Program, sim: Simulation, t: float, vector: Array, given: _Given
+) -> tuple[list[float], list[float]]:
+    """Angles and speeds of all groups."""
+    trial, before, last = vector, [np.nan] * len(program.groups), np.inf
+    for _ in range(_ROUNDS):
+        with _at_rest(sim, program, t, trial) as point:
+            ratios = varying_ratios(point, trial) if varies(program) else None
+            angles = _angles(program, vector, given, point, ratios)
+            change = float(np.max(np.abs(np.subtract(angles, before)), initial=0.0))
+            if (
+                ratios is None
+                or change == 0
+                or (change >= last and change <= _MET * np.max(np.abs(angles), initial=1.0))
+            ):
+                return angles, _speeds(program, vector, given, point, ratios)
+        trial, before, last = np.array(vector), angles, change if np.isfinite(change) else np.inf
+        for start, angle in zip(program.groups, angles, strict=True):
+            if start.angle >= 0:
+                trial[start.angle] = start.angle_gain * angle
+    raise ParameterError(
+        "initial: no angles were found in which nothing is twisted, beside gears whose ratios vary; give start values by name"
+    )
+
+
 def turning_along(sim: Simulation, program: Program, t: float, *, means: bool) -> Array:
     """The state at the start of `sim` with the speeds that nobody gave as a rolling start has them, with given motions at their
     means or as at t; angles as they are. Raises ParameterError for speeds that contradict each other."""
     given = np.array(sim.parameters)
     with _at_rest(sim, program, t, given) as point:
+        if varies(program):
+            raise ParameterError("initial: a gear whose ratio varies has no steady rotation; give start values by name")
         speeds = _speeds(program, given, _Given({}, {}), point.at(means=means))
     for g, start in enumerate(program.groups):
         if start.speed >= 0:
@@ -131,90 +162,13 @@ def _write(model: Model, vector: Array, offset: int, value: float) -> None:
 # -- angles and speeds of groups --------------------------------------------------------------------------------------
 
 
-@dataclass(slots=True)
-class _Solving:
-    """Rows that were taken, and which given values stand in one connected part."""
-
-    program: Program
-    what: str
-    motion: RigidMotion = field(default_factory=RigidMotion)
-    joined: DisjointSets[int] = field(default_factory=DisjointSets)
-    named: list[tuple[str, int]] = field(default_factory=list)
-
-    def take(self, row: RigidRow, wanted: float) -> bool:
-        """Whether a row said something new."""
-        self.check(row)
-        for other in row.groups[1:]:
-            self.joined.join(other, row.groups[0])
-        return self.motion.take(self.factors(row), wanted)
-
-    def check(self, row: RigidRow) -> None:
-        """ParameterError where the form has no numbers for factors."""
-        if row.varying or any(self.program.groups[g].varying for g in row.groups):
-            raise ParameterError(
-                f"initial: '{row.component}' is, or moves with, a gear whose ratio varies, or a shaft that is driven against a "
-                "moving housing: a rolling start is not known there; give start values by name"
-            )
-
-    @staticmethod
-    def factors(row: RigidRow) -> dict[int, float]:
-        """The factors by group."""
-        return dict(zip(row.groups, row.factors, strict=True))
-
-    def give(self, name: str, row: RigidRow, wanted: float) -> None:
-        """Takes a given value. ParameterError where another one follows from those before."""
-        if not self.take(row, wanted):
-            follows = self.motion.left(self.factors(row))[1]
-            if abs(follows - wanted) > AGREES * max(abs(follows), abs(wanted)):
-                raise ParameterError(
-                    f"initial: '{name}' = {wanted:.9g} contradicts the {follows:.9g} that follows from "
-                    f"{self.sources(row) or 'what moves or holds it'}, where {self.what}; leave one of them out"
-                )
-        elif row.groups:
-            self.named.append((name, row.groups[0]))
-
-    def told(self) -> set[int]:
-        """The connected parts that a given value stands in."""
-        return {self.joined.root(group) for _, group in self.named}
-
-    def reached(self, rows: list[RigidRow]) -> set[int]:
-        """The connected parts that a given value stands in, and those that rows join with them."""
-        beyond = DisjointSets[int]()
-        for row in rows:
-            for g in row.groups[1:]:
-                beyond.join(self.joined.root(g), self.joined.root(row.groups[0]))
-        told = {beyond.root(part) for part in self.told()}
-        return {
-            part for row in rows for g in row.groups if beyond.root(part := self.joined.root(g)) in told
-        } | self.told()
-
-    def is_told(self, row: RigidRow, told: set[int]) -> bool:
-        """Whether a row touches one of them."""
-        return any(self.joined.root(g) in told for g in row.groups)
-
-    def sources(self, row: RigidRow) -> str:
-        """The given values that a row is joined with."""
-        if not row.groups:
-            return ""
-        root = self.joined.root(row.groups[0])
-        return ", ".join(f"'{name}'" for name, group in self.named if self.joined.root(group) == root)
-
-    def values(self, free: Mapping[int, float] | None = None) -> list[float]:
-        """The value of every group, free ones as given, else 0."""
-        free, found = free or {}, []
-        for g in range(len(self.program.groups)):
-            factors, constant = self.motion.definitions.get(g, ({g: 1.0}, 0.0))
-            found.append(constant + sum(c * free[x] for x, c in factors.items() if x in free))
-        return found
-
-
-def _give_named(solving: _Solving, named: Mapping[int, float], names: list[str]) -> None:
+def _give_named(solving: RowsTaken, named: Mapping[int, float], names: list[str]) -> None:
     for i, value in named.items():
         solving.give(names[i], solving.program.bodies[i], value)
 
 
 def _give_own(
-    solving: _Solving, own: Mapping[int, float], named: Mapping[int, float], names: list[str], held: Iterable[int] = ()
+    solving: RowsTaken, own: Mapping[int, float], named: Mapping[int, float], names: list[str], held: Iterable[int] = ()
 ) -> None:  # fmt: skip
     """Values of bodies, where the named ones, and the friction that holds beside them in the groups `held`, leave them free."""
     told = solving.told() | {solving.joined.root(g) for g in held}
@@ -260,14 +214,23 @@ def _natural(row: RigidRow, vector: Array) -> float:
     return row.scale * (rest + max(lower, 0.0) + min(upper, 0.0))
 
 
-def _angles(program: Program, vector: Array, given: _Given, point: Point) -> list[float]:
-    solving = _Solving(program, "nothing is twisted")
+def _angles(
+    program: Program, vector: Array, given: _Given, point: Point, ratios: VaryingRatios | None = None
+) -> list[float]:
+    varying = ratios or _NONE
+    solving = RowsTaken(program, "nothing is twisted")
     found = point.outputs()
     for g, start in enumerate(program.groups):
         if start.prescribed and start.angle < 0 and not start.varying:
             solving.motion.take({g: 1.0}, _shown(program, start, found, angle=True))
     _take_shared(solving)
-    for row in program.deflections:
+    for tangent in varying.groups:
+        if np.isfinite(tangent.constant):
+            solving.take(tangent.row, tangent.constant)
+    for i, row in enumerate(program.deflections):
+        if i in varying.deflections:
+            solving.take(varying.deflections[i].row, varying.deflections[i].constant)
+            continue
         wanted = _present(program, row, vector, speeds=False) if row.gives_angle else _natural(row, vector)
         solving.take(row, wanted - _constant(row, vector))  # a loop that is under tension by itself stays so
     own = _own(program, vector, speeds=False)
@@ -284,7 +247,7 @@ def _angles(program: Program, vector: Array, given: _Given, point: Point) -> lis
     return solving.values()
 
 
-def _take_shared(solving: _Solving) -> None:
+def _take_shared(solving: RowsTaken) -> None:
     """Groups whose angles one start value gives, through a lossy gear of which one side alone is given."""
     first: dict[int, int] = {}
     for g, start in enumerate(solving.program.groups):
@@ -305,14 +268,21 @@ def _shown(program: Program, start: GroupStart, outputs: Array, *, angle: bool) 
     return float(outputs[program.output_numbers[name]]) / start.output_gain
 
 
-def _speeds(program: Program, vector: Array, given: _Given, point: Point) -> list[float]:
-    solving = _Solving(program, "nothing is twisted at a rate")
+def _speeds(
+    program: Program, vector: Array, given: _Given, point: Point, ratios: VaryingRatios | None = None
+) -> list[float]:
+    varying = ratios or _NONE
+    solving = RowsTaken(program, "nothing is twisted at a rate")
     found = point.outputs()
     for g, start in enumerate(program.groups):
         if start.prescribed and not start.varying:
             solving.motion.take({g: 1.0}, _shown(program, start, found, angle=False))
-    for row in (*program.deflections, *_ties(point)):
-        wanted = _present(program, row, vector, speeds=True) if row.gives_speed else 0.0
+    for tangent in varying.groups:
+        solving.take(tangent.row, tangent.rate)
+    moving = {i: tangent.rate for i, tangent in varying.deflections.items()}
+    deflections = [varying.deflections[i].row if i in moving else row for i, row in enumerate(program.deflections)]
+    for i, row in enumerate((*deflections, *_ties(point))):
+        wanted = _present(program, row, vector, speeds=True) if row.gives_speed else moving.get(i, 0.0)
         if not solving.take(row, wanted):
             left = solving.motion.left(solving.factors(row))[1] - wanted
             if abs(left) > AGREES * _size(solving, row):
@@ -335,13 +305,13 @@ def _ties(point: Point) -> list[RigidRow]:
     return [row for row, kind in zip(point.program.slips, kinds, strict=True) if kind is ConstraintKind.TIE]
 
 
-def _size(solving: _Solving, row: RigidRow) -> float:
+def _size(solving: RowsTaken, row: RigidRow) -> float:
     """The largest speed that a row compares."""
     terms = (abs(c * solving.motion.left({g: 1.0})[1]) for g, c in solving.factors(row).items())
     return max(terms, default=0.0)
 
 
-def _hold(solving: _Solving, point: Point, *, beside_named: bool = False) -> set[int]:
+def _hold(solving: RowsTaken, point: Point, *, beside_named: bool = False) -> set[int]:
     """No slip in what is engaged, the strongest first; stops between two bodies take each other along last. beside_named: only
     in what is joined with a named value. Answers the groups of all rows that were looked at."""
     program, at = point.program, point.constraints()
@@ -359,7 +329,7 @@ def _hold(solving: _Solving, point: Point, *, beside_named: bool = False) -> set
     return {g for i in waiting for g in program.slips[i].groups}
 
 
-def _refuse_impact(solving: _Solving, row: RigidRow, bounds: Array) -> None:
+def _refuse_impact(solving: RowsTaken, row: RigidRow, bounds: Array) -> None:
     """ParameterError where a lock without limit would have to close on a slip."""
     slip = solving.motion.left(solving.factors(row))[1]
     most = AGREES * _size(solving, row)
@@ -370,7 +340,7 @@ def _refuse_impact(solving: _Solving, row: RigidRow, bounds: Array) -> None:
         )
 
 
-def _least_energy(solving: _Solving, point: Point) -> dict[int, float]:
+def _least_energy(solving: RowsTaken, point: Point) -> dict[int, float]:
     """Speeds of the free groups that follow others in some share: those of the least kinetic energy."""
     free = list(solving.motion.moved())
     if not free:

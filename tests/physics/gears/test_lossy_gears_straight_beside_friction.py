@@ -19,7 +19,7 @@ T = np.linspace(0.0, 2.0, 41)
 LOSSES = {
     "efficiency": {"efficiency": (0.9, 0.8)},
     "jumping": {"efficiency": (0.9, 0.8), "bearing": (3.0, 1.0)},
-    "table": {"loss_table": ((0.0, 0.95, 0.9, 0.4, 0.2), (10.0, 0.9, 0.85, 0.5, 0.5), (90.0, 0.8, 0.75, 1.0, 1.0))},
+    "table": {"loss_table": ((0.0, 0.95, 0.9, 0.4, 0.4), (10.0, 0.9, 0.85, 0.5, 0.5), (90.0, 0.8, 0.75, 1.0, 1.0))},
 }
 Layout = Callable[[gb.Drivetrain, gb.Block, gb.Block, dict[str, object]], list[gb.Flange]]
 
@@ -101,7 +101,10 @@ def test_what_leaves_a_gear_is_the_torque_of_the_clutch_that_slides(method: str)
     assert run.energy.residual < 1e-9
 
 
-CASES = [(name, loss, sign) for name in LAYOUTS for loss in LOSSES for sign in (1.0, -1.0)]
+CASES = [
+    (name, loss, sign) for name in LAYOUTS for loss in LOSSES for sign in (1.0, -1.0)
+    if loss != "jumping" or name not in ("clutch before", "between two gears")
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "loss", "sign"), CASES)
@@ -127,8 +130,9 @@ def test_every_method_finds_the_same_motion(method: str) -> None:
 
 @pytest.mark.parametrize(("losses", "rule"), [
     ({"efficiency": (0.9, 0.8), "bearing": (1.0, 3.0)}, "tau1 = tau2"), ({"efficiency": (0.6, -0.4)}, "eta2 > 0"),
+    ({"efficiency": (0.9, 0.8), "bearing": (3.0, 1.0)}, "tau1 = tau2"),
 ])  # fmt: skip
-def test_a_gear_that_lets_nothing_in_cannot_hold_a_side_without_inertia(losses: dict[str, object], rule: str) -> None:
+def test_losses_at_a_that_its_torques_do_not_tell_are_refused(losses: dict[str, object], rule: str) -> None:
     rig = gb.Drivetrain("clutch before")
     one, other = rig.add("one", gb.Inertia(J=0.3)), rig.add("other", gb.Inertia(J=0.5))
     _clutch_before(rig, one, other, losses)

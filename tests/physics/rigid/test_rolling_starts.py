@@ -172,16 +172,6 @@ def test_what_the_ground_holds_by_a_spring_cannot_roll() -> None:
 
 
 @pytest.mark.long
-def test_a_ratio_that_varies_is_refused() -> None:
-    rig = gb.Drivetrain("varying")
-    joint = rig.add("joint", gb.UniversalJoint(angle=0.3))
-    rig.chain(rig.add("one", gb.Inertia(J=1.0)), joint, rig.add("two", gb.Inertia(J=1.0)), rig.add("shaft", gb.Shaft(k=1e3)),
-              rig.add("three", gb.Inertia(J=1.0)))  # fmt: skip
-    with pytest.raises(gb.ParameterError, match=r"'shaft' is, or moves with, a gear whose ratio varies"):
-        gb.simulate(rig, t_end=1.0, initial=gb.rolling({"one.w": 5.0}))
-
-
-@pytest.mark.long
 def test_parameters_sweeps_and_scenes_start_rolling() -> None:
     rig = _eight(w0=gb.Parameter("speed", SPEED, "rad/s"))
     run = gb.simulate(rig, t_end=1e-4, initial="rolling", parameters={"speed": 100.0})

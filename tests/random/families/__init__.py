@@ -1,4 +1,4 @@
-"""Fourteen families of random trains; each is a function from a seed to a description."""
+"""Fifteen families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from tests.random.families.rounded import rounded
 from tests.random.families.smooth import smooth
 from tests.random.families.starts import starts
 from tests.random.families.vehicle import vehicle
+from tests.random.families.warm import warm
 from tests.random.families.wide import wide
 
 FAMILIES: dict[str, Callable[[int], Train]] = {
@@ -37,6 +38,7 @@ FAMILIES: dict[str, Callable[[int], Train]] = {
         feedback,
         starts,
         rounded,
+        warm,
     )
 }
 

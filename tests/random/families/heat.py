@@ -13,7 +13,8 @@ from tests.random.families.mixed import extend
 
 WARMS = (
     "Shaft", "Damper", "Clutch", "Brake", "BearingFriction", "OneWayClutch", "SpeedLoad", "EddyCurrentBrake", "DCMotor",
-    "LossyGear", "Worm", "HardStop", "Vehicle", "GearMesh", "Lash",
+    "LossyGear", "Worm", "HardStop", "Vehicle", "GearMesh", "Lash", "Gearbox", "PlanetaryGear", "SplineCoupling",
+    "TorqueConverter", "BeltDrive", "NonCircularGear", "Tyre", "Chassis",
 )  # fmt: skip
 T0 = 300.0
 
@@ -29,7 +30,7 @@ def heat(seed: int) -> Train:
         _lossy_part(g, d.choice(bodies))
     for _ in range(d.randint(1, 2)):
         pieces.torque(g, d.choice(bodies))
-    _warmed(g)
+    warmed(g)
     return g.train()
 
 
@@ -73,15 +74,13 @@ def _lossy_part(g: Growth, node: str) -> None:
         pieces.stop(g, node, GROUND)
 
 
-def _warmed(g: Growth) -> None:
+def warmed(g: Growth) -> None:
     """Heat ports, masses and conductances for what has grown."""
     d = g.d
     masses = [g.name("disc") for _ in range(d.randint(1, 3))]
     scale = max(sum(g.inertia[b] for b in g.rotating), 0.1) * d.log(0.3, 30.0)
     for i, p in enumerate(g.parts):
-        loses = p.block in WARMS and (
-            p.block != "Shaft" or p.field("c") is not None or p.field("hysteresis") is not None
-        )
+        loses = p.block in WARMS and _loses(p)
         if not loses or d.chance(0.15):
             continue
         kind = d.random()
@@ -104,6 +103,13 @@ def _warmed(g: Growth) -> None:
         if d.chance(0.5):
             ends.reverse()
         g.add("wall", "ThermalConductance", {}, G=G, a=ends[0], b=ends[1])
+
+
+def _loses(p: Part) -> bool:
+    """Whether a part of a kind that may lose does: a spring with damping, a pair with compliance."""
+    if p.block == "Shaft":
+        return p.field("c") is not None or p.field("hysteresis") is not None
+    return p.block != "NonCircularGear" or p.field("k") is not None
 
 
 def _fading(g: Growth, p: Part, T: Any) -> Part:

@@ -41,7 +41,7 @@ def _gear_beside_friction(g: Growth, a: str) -> None:
     driven = d.chance(0.6)
     fields: dict[str, Any] = {"efficiency": (d.even(0.5, 1.0), d.even(0.4, 1.0))}
     if d.chance(0.5):
-        fields["bearing"] = tau if driven else tuple(sorted(tau, reverse=True))
+        fields["bearing"] = tau if driven else (tau[0], tau[0])
     ends = (a, node) if driven else (node, a)
     g.add("lossy", "LossyGear", dict(zip("ab", ends, strict=True)), ratio=d.ratio(), **fields)
     for _ in range(d.choice((1, 1, 2))):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tests.random.description import GROUND, Train
 from tests.random.draw import Growth, digits
+from tests.random.expressions import thing
 from tests.random.families import meshes, pieces
 from tests.random.families.lossy import lossy_gear
 
@@ -42,7 +43,21 @@ def starts(seed: int) -> Train:
     pieces.torque(g, d.choice(bodies), smooth=kind == "acceleration")
     if d.chance(0.5):
         pieces.speed_load(g, d.choice(bodies), dry=None if kind != "acceleration" else False)
+    if kind in ("rolling", "named") and d.chance(0.4):
+        _uneven(g, bodies)
     return g.train()
+
+
+def _uneven(g: Growth, bodies: list[str]) -> None:
+    """A non-circular pair with compliance, at times a shaft behind it."""
+    d, a, b = g.d, g.d.choice(bodies), g.body()
+    k, ends = g.stiffness(a, b, 10.0, 100.0), (a, b) if g.d.chance(0.5) else (b, a)
+    law = thing("RatioLaw.ellipse", e=d.even(0.05, 0.5), order=d.choice((1, 1, 2)))
+    phase = d.choice((None, d.even(-2.0, 2.0)))
+    g.add("noncircular", "NonCircularGear", dict(zip("ab", ends, strict=True)), law=law, external=d.chance(0.6), k=k,
+          c=g.damping(a, b, k), phase=phase)  # fmt: skip
+    if d.chance(0.5):
+        pieces.shaft(g, b, g.body())
 
 
 def _own(g: Growth, body: str, **fields: float | None) -> None:

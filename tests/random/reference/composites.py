@@ -14,7 +14,11 @@ def expanded(train: Train) -> Train:
     """The same train of simple parts; bodies that a composite brings along come after those of the train."""
     parts, more = [], []
     for p in train.parts:
-        found = _planetary(p) if p.block == "PlanetaryGear" else _segments(p) if p.field("segments", 1) > 1 else [p]
+        found = [p]
+        if p.block in ("PlanetaryGear", "Gearbox"):
+            found = (_planetary if p.block == "PlanetaryGear" else _gearbox)(p)
+        elif p.field("segments", 1) > 1:
+            found = _segments(p)
         parts += found[:1]
         more += found[1:]
     return replace(train, parts=(*parts, *more))
@@ -24,11 +28,30 @@ def _segments(p: Part) -> list[Part]:
     """n springs of n k, and J in n lumps, half ones at the ends."""
     n, J, c = p.field("segments"), p.field("J"), p.field("c")
     nodes = [p.node("a"), *(f"{p.name} node {i}" for i in range(1, n)), p.node("b")]
-    fields = (("k", p.field("k") * n), *((("c", c * n),) if c is not None else ()))
+    fields = (("k", p.field("k") * n), *((("c", c * n),) if c is not None else ()), *_warm(p))
     out = [Part(f"{p.name} spring {i}", "Shaft", fields, (("a", nodes[i]), ("b", nodes[i + 1]))) for i in range(n)]
     for i, node in enumerate(nodes):
         out.append(Part(f"{p.name} lump {i}", "Inertia", (("J", J / n / (2 if i in (0, n) else 1)),), (("a", node),)))
     return out
+
+
+def _warm(p: Part) -> tuple[tuple[str, Any], ...]:
+    """The heat port that all parts share."""
+    heat = p.field("heat")
+    return () if heat is None else (("heat", heat),)
+
+
+def _gearbox(p: Part) -> list[Part]:
+    """A gear with losses, and behind it a spring with a gap."""
+    gear = {n: x for n, x in p.fields if n in ("ratio", "efficiency", "bearing", "loss_table", "heat")}
+    lash = {n: x for n, x in p.fields if n in ("k", "c", "half_gap", "contact_damping", "heat")}
+    if "k" not in lash:
+        return [Part(f"{p.name} gear", "LossyGear", tuple(gear.items()), p.at)]
+    node = f"{p.name} node"
+    return [
+        Part(f"{p.name} gear", "LossyGear", tuple(gear.items()), (("a", p.node("a")), ("b", node))),
+        Part(f"{p.name} lash", "Lash", tuple(({"half_gap": 0.0} | lash).items()), (("a", node), ("b", p.node("b")))),
+    ]
 
 
 def _planetary(p: Part) -> list[Part]:
@@ -48,6 +71,7 @@ def _planetary(p: Part) -> list[Part]:
             law = p.field(name)
             for key, value in law.args[1] if law is not None else ():
                 fields[key] = _shifted(value, phase) if isinstance(value, Node) else value
+            fields |= dict(_warm(p)) if law is not None else {}
             at = (("pinion", ends[0]), ("wheel", ends[1]), ("carrier", p.node("carrier")))
             out.append(Part(f"{p.name} {name} {i}", "GearMesh", tuple(fields.items()), at))
         out.append(Part(f"{p.name} planet {i}", "Inertia", (("J", p.field("planet_inertia")),), (("a", node),)))

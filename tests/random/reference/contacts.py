@@ -18,12 +18,7 @@ NOTHING = (0.0, 0.0, 0.0)
 Force = Callable[[float, float, float], tuple[float, float]]
 
 
-def contact_law(s: System, p: Part, k: float) -> Force:
-    """The force of a contact, without its springs alone."""
-    return _contact(s, p, k)[0]
-
-
-def _contact(s: System, p: Part, k: float) -> tuple[Force, Callable[[float], float]]:
+def contact(s: System, p: Part, k: float) -> tuple[Force, Callable[[float], float]]:
     """(x, x', factor on k) -> (k factor g(x) + damping, G(x) the integral of g), and x -> k g(x).
 
     Damping: "clipped" c x' within +-abs(k g); "clipped_force" never pulling; "always" in the gap too; Hunt and Crossley.
@@ -179,7 +174,7 @@ def lash(s: System, p: Part) -> None:
     if p.field("hits"):
         hits(s, p, row, p.field("half_gap"))
         return
-    i, (force, spring) = s.law_row(row), _contact(s, p, p.field("k"))
+    i, (force, spring) = s.law_row(row), contact(s, p, p.field("k"))
     s.elastic.append(row)
     rest, heat = p.field("rest", 0.0), s.heats.get(p.name, -1)
 
@@ -201,11 +196,16 @@ def spline(s: System, p: Part) -> None:
         return
     if p.field("stiffness_variation") is not None:
         raise NoEvidenceError("a spline with a varying stiffness")
-    i, force = s.law_row(row), contact_law(s, p, p.field("k"))
+    i, (force, spring) = s.law_row(row), contact(s, p, p.field("k"))
     s.elastic.append(row)
+    heat = s.heats.get(p.name, -1)
 
     def law(c: Context, f: list[float]) -> None:
-        f[i] -= r * force(r * c.X[i], r * c.V[i], 1.0)[0]
+        x, rate = r * c.X[i], r * c.V[i]
+        pushes = force(x, rate, 1.0)[0]
+        f[i] -= r * pushes
+        if heat >= 0:
+            f[-1 - heat] += (pushes - spring(x)) * rate
 
     s.laws.append(law)
 
@@ -225,7 +225,8 @@ def mesh(s: System, p: Part) -> None:
     i, j = s.law_row(one), s.law_row(two)
     k, z = p.field("k"), teeth[0]
     s.elastic.append(r1 * one + sign * r2 * two)
-    force = contact_law(s, p, k)
+    force, spring = contact(s, p, k)
+    heat = s.heats.get(p.name, -1)
     vary, error = (
         _excitation(s, p.field("stiffness_variation"), i, z),
         _excitation(s, p.field("transmission_error"), i, z),
@@ -243,8 +244,11 @@ def mesh(s: System, p: Part) -> None:
         N, G = force(x, rate, 1 + v)
         f[i] -= N * (r1 - e_phi) + (k * v_phi * G if v_phi else 0.0)
         f[j] -= N * s2
+        before = f[i], f[j]
         if rubs is not None:
             rubs(c, f, N)
+        if heat >= 0:
+            f[-1 - heat] += (N - (1 + v) * spring(x)) * rate - (f[i] - before[0]) * c.V[i] - (f[j] - before[1]) * c.V[j]
 
     s.laws.append(law)
 

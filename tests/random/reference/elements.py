@@ -13,7 +13,7 @@ from tests.random.expressions import Node, walk
 from tests.random.reference import contacts, further, heat, rubbing, vehicles
 from tests.random.reference.composites import expanded
 from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse, is_zero
-from tests.random.reference.system import Array, System, Tie, derivative
+from tests.random.reference.system import Array, Pair, System, Tie, derivative
 
 
 def system_of(train: Train) -> System:
@@ -141,15 +141,21 @@ def noncircular(s: System, p: Part) -> None:
     at_start = F(ahead(s.context))
     i, j = s.law_row(a), s.law_row(b)
     s.elastic += [a, b]
-    force = contacts.contact_law(s, p, p.field("k"))
+    if not isinstance(phase, Node) and p.field("transmission_error") is None:
+        s.pairs.append(Pair(p.name, a, b, sign, float(phase), (F, m)))
+    force, spring = contacts.contact(s, p, p.field("k"))
+    warms = s.heats.get(p.name, -1)
 
     def law_of(c: Context, f: list[float]) -> None:
         theta = c.X[i] + ahead(c)
         slope = m(theta)
         q = F(theta) - at_start + sign * c.X[j]
-        M = force(q, slope * (c.V[i] + rate(c)) + sign * c.V[j], 1.0)[0]
+        turns = slope * (c.V[i] + rate(c)) + sign * c.V[j]
+        M = force(q, turns, 1.0)[0]
         f[i] -= slope * M
         f[j] -= sign * M
+        if warms >= 0:
+            f[-1 - warms] += (M - spring(q)) * turns
 
     s.laws.append(law_of)
 

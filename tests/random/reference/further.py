@@ -18,7 +18,7 @@ def converter(s: System, p: Part) -> None:
 
     nu runs through a whole table while w_i passes 0 by 1e-12: edges are located by nu (w_i^2 + REST), which is smooth there.
     """
-    i, t = s.law_row(s.node(p.node("impeller"))), s.law_row(s.node(p.node("turbine")))
+    i, t, heat = s.law_row(s.node(p.node("impeller"))), s.law_row(s.node(p.node("turbine"))), s.heats.get(p.name, -1)
     capacity, ratio = (Table1(s.sw, *p.field(name).args[:4]) for name in ("capacity", "ratio"))
     forward = s.sw.new()
 
@@ -27,8 +27,11 @@ def converter(s: System, p: Part) -> None:
         weight = w_i * w_i + REST
         nu = w_t * w_i / weight
         taken = capacity(nu, weight) * w_i * w_i * (1 if s.sw(forward, w_i) else -1)
+        given = ratio(nu, weight) * taken
         f[i] -= taken
-        f[t] += ratio(nu, weight) * taken
+        f[t] += given
+        if heat >= 0:
+            f[-1 - heat] += taken * w_i - given * w_t
 
     s.laws.append(law)
 
@@ -37,6 +40,7 @@ def creep(s: System, p: Part) -> None:
     """tau = K slip/sqrt(1 + (K slip/limit)^2), slip = (w_a - ratio w_b)/hypot(w_a, low_speed)."""
     a, b = s.node(p.node("a")) - s.node(p.node("housing")), s.node(p.node("b")) - s.node(p.node("housing"))
     i, j, ratio, fields = s.law_row(a), s.law_row(b), p.field("ratio"), dict(p.field("slip").args[1])
+    heat = s.heats.get(p.name, -1)
 
     def law(c: Context, f: list[float]) -> None:
         tau = fields["stiffness"] * (c.V[i] - ratio * c.V[j]) / math.hypot(c.V[i], fields["low_speed"])
@@ -44,6 +48,8 @@ def creep(s: System, p: Part) -> None:
             tau /= math.hypot(1.0, tau / fields["limit"])
         f[i] -= tau
         f[j] += ratio * tau
+        if heat >= 0:
+            f[-1 - heat] += tau * (c.V[i] - ratio * c.V[j])
 
     s.laws.append(law)
 

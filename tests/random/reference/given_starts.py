@@ -72,6 +72,9 @@ def _conditions(s: System, q: Array, v: Array, given: Array) -> list[tuple[str, 
             out += [(f"{p.name}.twist", float(row @ q), twist)] if asks or p.field("phi_rel0") is not None else []
             asks = rolls or any(x.field("w_rel0") is not None for x in s.train.parts)
             out += [(f"{p.name}.twist_rate", float(row @ v), rate)] if asks or p.field("w_rel0") is not None else []
+    for pair in s.pairs if rolls else ():
+        deflection, rate = pair.deflection(s.N @ q, s.N @ v)
+        out += [(f"{pair.name}.deflection", deflection, 0.0), (f"{pair.name}.deflection_rate", rate, 0.0)]
     if rolls:
         out += [("a gear with losses", float((g.ra - g.ratio * g.rb) @ v), 0.0) for g in s.lossy]
     return out

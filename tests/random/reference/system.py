@@ -91,6 +91,26 @@ class Tie:
     starts: tuple[Array, Signal] | None = None
 
 
+@dataclass
+class Pair:
+    """A compliant pair whose ratio varies: q = F(phi_a + phase) - F(phase) + sign phi_b is 0 where it carries nothing."""
+
+    name: str
+    a: Array
+    b: Array
+    sign: float
+    phase: float
+    law: tuple[Callable[[float], float], Callable[[float], float]]
+
+    def deflection(self, q: Array, v: Array) -> tuple[float, float]:
+        """q and q' at angles and speeds of nodes."""
+        F, m = self.law
+        x = float(self.a @ q) + self.phase
+        return F(x) - F(self.phase) + self.sign * float(self.b @ q), m(x) * float(self.a @ v) + self.sign * float(
+            self.b @ v
+        )
+
+
 class System:
     """Everything the integration needs; filled by `elements`."""
 
@@ -116,6 +136,7 @@ class System:
         self.lossy: list[Lossy] = []
         self.nonlinear: list[Tie] = []
         self.iwan: list[Any] = []
+        self.pairs: list[Pair] = []
         self.elastic: list[Array] = []  # deformations that a force answers, over nodes
         self.extra = 0  # number of further states
         self.start: list[float] = []  # their start values
