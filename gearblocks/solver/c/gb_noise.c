@@ -90,7 +90,14 @@ int gb_noise_of_locks(gb_sim *sim, const double *time_terms, const double *y, do
         const double noise = i < model->n - model->n_speeds ? 0.0 : part * (fabs(left[i]) + most[i]);
         left[i] = noise < HUGE_VAL ? noise : 0.0;
     }
+    memcpy(most, left, sizeof(double) * (size_t)model->n);
     share_among_tied(sim, left);
+    const double elapsed = sim->head->front.t1 - sim->head->front.t_start + sim->head->front.h;
+    const int begins = sim->head->control.unscaled || sim->head->counts.steps == 0;
+    for (int i = 0; i < model->n; i++) { /* what has moved by more than that has a scale of its own */
+        const int shares = (begins && most[i] == 0.0) || sim->control.largest[i] <= left[i] * elapsed;
+        left[i] = shares ? left[i] : most[i];
+    }
     for (int i = 0; i < model->n; i++) {
         beyond |= left[i] > sim->control.noise[i];
     }
