@@ -10,6 +10,7 @@ import numpy as np
 
 from gearblocks.analysis.linearization import OperatingPoint, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
+from gearblocks.codegen.program import ParameterInfo
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.language.tidy import Tidy
@@ -96,11 +97,11 @@ def campbell(
         raise ParameterError(f"speeds = {speeds!r:.80} must be finite and increase")
     names = {p.path: i for i, p in enumerate(model.program.parameters) if p.tunable}
     body = _body_of(model, speed)
-    path = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")].path
+    driven = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")]
     found, damping = [], []
     for value in values:
         with operating_point(
-            model, at, None, {**(parameters or {}), **({path: float(value)} if path else {})}
+            model, at, None, {**(parameters or {}), **(_set_to(driven, float(value)) if driven else {})}
         ) as point:
             turning = point if body is None else _turning(point, body, float(value))
             swinging = modes_at(turning, count)
@@ -119,6 +120,11 @@ def _in_si(speeds: Any) -> Any:
     """Speeds that bring their unit in rad/s."""
     texts = isinstance(speeds, (list, tuple)) and any(map(has_unit, speeds))
     return [number_in_si("speeds", x, "rad/s") if has_unit(x) else x for x in speeds] if texts else speeds
+
+
+def _set_to(driven: ParameterInfo, speed: float) -> dict[str, float | str]:
+    """The parameter at a speed [rad/s], whatever unit bare numbers of it are in."""
+    return {driven.path: speed if not driven.given_in else f"{speed!r} {driven.unit}"}
 
 
 def _body_of(model: Model, speed: str) -> str | None:

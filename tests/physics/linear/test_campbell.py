@@ -96,3 +96,26 @@ def test_a_planetary_set_has_the_order_of_the_teeth_that_pass_its_carrier(held, 
     assert name == ("teeth of stage.gear" if nested else "teeth of stage")
     assert found.orders[name] == pytest.approx(order, rel=1e-9)
     assert any(c.order == name for c in found.crossings)
+
+
+def _loaded_by_its_speed(unit: str) -> gb.Drivetrain:
+    """A load of 2 N m s/rad twists a shaft of 1e4 N m/rad up to 100 N m, stiffer beyond; its speed is a Parameter."""
+    rig = gb.Drivetrain("loaded by its speed")
+    one = {"rad/s": gb.rpm(1000.0), "rpm": 1000.0, "rev/s": 1000.0 / 60.0}[unit]
+    table = gb.Table([-1.0, -0.01, 0.0, 0.01, 1.0], [-30000.0, -100.0, 0.0, 100.0, 30000.0])
+    drive, shaft = (
+        rig.add("drive", gb.Speed(w=gb.Parameter("n", one, unit))),
+        rig.add("shaft", gb.Shaft(torque=table, c=1.0)),
+    )
+    load = rig.add("load", gb.Torque(tau=-2.0 * gb.sense("body.w")))
+    rig.chain(drive, shaft, rig.add("body", gb.Inertia(J=1.0)), load)
+    return rig
+
+
+@pytest.mark.parametrize("unit", ["rad/s", "rpm", "rev/s"])
+def test_speeds_of_a_parameter_are_in_radians_whatever_its_unit_is(unit):
+    rig, wanted = _loaded_by_its_speed(unit), [100.0, np.sqrt(29900.0 / 0.99)]
+    for speeds in ([gb.rpm(200.0), gb.rpm(2000.0)], ["200 rpm", "2000 rpm"]):
+        diagram = gb.campbell(rig, "n", speeds, orders={"one": 1.0})
+        assert diagram.speeds == pytest.approx([gb.rpm(200.0), gb.rpm(2000.0)])
+        assert diagram.frequencies[:, 0] == pytest.approx(wanted, rel=1e-9)
