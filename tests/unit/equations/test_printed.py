@@ -223,7 +223,7 @@ def test_two_tables_two_gaps_and_two_errors_have_two_names():
     eq = rig.equations()
     shown = [row[0] for row in eq.nomenclature()]
     assert len(shown) == len(set(shown))
-    assert {"b_one", "b_two", "g_one", "g_two", "e_one", "e_two", "tau_drive", "tau_load"} <= set(shown)
+    assert {"b_one", "b_two", "g_one", "g_two", "e_one", "e_two", "τ_drive", "τ_load"} <= set(shown)
     assert {"a1_one", "a_s1_one", "a_e1_one", "a1_two"} <= set(shown)
 
 
