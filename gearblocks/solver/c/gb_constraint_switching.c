@@ -139,9 +139,10 @@ static int log_changes(gb_sim *sim, int log) {
             if (log && !(constraint->kind == GB_STOP && sim->constraints.struck[i])) {
                 gb_log(sim, constraint->slip, 0, before, now);
             }
-            if (!log) { /* what breaks at a start stays broken */
+            const int one_way = gb_is_blocked(sim, i, 1.0) || gb_is_blocked(sim, i, -1.0);
+            if (!log && !one_way) { /* what breaks at a start stays broken; a one-way lock may hold again */
                 sim->events.flip_time[constraint->active] = sim->head->front.t1;
-            } else if (code == GB_DONE) {
+            } else if (log && code == GB_DONE) {
                 code = gb_count_flip(sim, constraint->active);
             }
         } else if (log && code == GB_DONE && !sim->constraints.struck[i]) {
