@@ -12,12 +12,11 @@ from dataclasses import replace
 from typing import Any
 
 from gearblocks.assembly.algebraic_friction import loss_rows, massless_rows
+from gearblocks.assembly.block_numbers import number
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch
-from gearblocks.language.signals import constant_value
 from gearblocks.laws.gauged_ties import with_gauge
 from gearblocks.laws.rational import Exact, exact_value
-from gearblocks.train.graph import Component, Train
-from gearblocks.train.values import numbers_of
+from gearblocks.train.graph import Train
 
 
 def with_gauged_gears(assembly: Assembly) -> Train:
@@ -77,16 +76,6 @@ def _inertias(assembly: Assembly) -> dict[int, float]:
         for flange, expr in batch.law.bodies:
             for e, index in enumerate(batch.components):
                 if (group := batch.groups[flange][e]) != GROUND_GROUP:
-                    own = _number(batch, assembly.train.components[index], expr) * float(batch.gains[flange][e]) ** 2
+                    own = number(batch, assembly.train.components[index], expr) * float(batch.gains[flange][e]) ** 2
                     found[group] = found.get(group, 0.0) + (own if math.isfinite(own) else 0.0)
     return found
-
-
-def _number(batch: Batch, c: Component, expression: object) -> float:
-    """An expression of numbers of a block; NaN where it holds anything else."""
-    numbers = {path: constant_value(value) for path, value, _ in numbers_of(c.block, "")}
-    values = {}
-    for symbol in getattr(expression, "free_symbols", ()):
-        meaning = batch.law.pool.roles[symbol]
-        values[symbol] = meaning.of.si if meaning.role == "shared" else numbers.get(meaning.of, math.nan)
-    return constant_value(float(expression.xreplace(values)))  # type: ignore[attr-defined]  # of sympy

@@ -9,14 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
+from gearblocks.assembly.block_numbers import number
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly, Batch
 from gearblocks.language.fields import COMPLIANCE, Field
 from gearblocks.language.signals import constant_value
 from gearblocks.language.units import parse_unit
 from gearblocks.train.graph import Component
-from gearblocks.train.values import numbers_of
 
 _STIFFNESS = tuple(parse_unit(unit) for unit in ("N/m", "N m/rad"))
 
@@ -65,16 +64,3 @@ def levers(batch: Batch, e: int, c: Component) -> dict[int, float]:
             lever = number(batch, c, form.scale * coefficient) * float(batch.gains[flange][e])
             row[group] = row.get(group, 0.0) + lever
     return row
-
-
-def number(batch: Batch, c: Component, expression: Any) -> float:
-    """An expression of numbers of a block; NaN where it holds anything else."""
-    numbers = {path: constant_value(value) for path, value, _ in numbers_of(c.block, "")}
-    values = {}
-    for symbol in getattr(expression, "free_symbols", ()):
-        meaning = batch.law.pool.roles[symbol]
-        values[symbol] = meaning.of.si if meaning.role == "shared" else numbers.get(meaning.of, math.nan)
-    try:
-        return float(expression.xreplace(values)) if values else float(expression)
-    except (TypeError, ValueError):
-        return math.nan
