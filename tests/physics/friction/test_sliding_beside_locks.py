@@ -100,9 +100,9 @@ def test_a_lock_is_never_held_beyond_its_capacity(method):
     assert run.energy.residual < 1e-8
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.few(1)
 def test_a_freewheel_that_one_side_presses_and_the_other_opens_carries_nothing(sense, method):
     """The load is on the body with the friction; the one behind the freewheel goes with it until the load is above both."""
     rig = gb.Drivetrain("dragged")
