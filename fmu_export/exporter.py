@@ -112,7 +112,6 @@ def _say_what_does_not_follow(model: Model) -> None:
         warn(
             f"'{model.program.name}': {', '.join(fixed)} follow from {given} here, but stay in an FMU as they are: set them "
             f"there together",
-            stacklevel=4,
         )
 
 

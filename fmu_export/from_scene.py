@@ -38,7 +38,6 @@ def started_as_in(
         if isinstance(source, Table) or callable(source) or np.ndim(source):
             warn(
                 f"'{scene.name}': the input '{name}' follows time in the scene; an FMU gets it from outside",
-                stacklevel=4,
             )
         else:
             held[name] = finite_number(name, source)

@@ -6,6 +6,8 @@ Every error can be pickled, so that it survives the way back from a worker proce
 from __future__ import annotations
 
 import logging
+import re
+import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
@@ -13,6 +15,8 @@ from typing import Any, ParamSpec, TypeVar
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
+
+_OURS = re.compile(r"(gearblocks|fmu_export)(\.|$)")
 
 log = logging.getLogger("gearblocks")
 """What was built, compiled or taken from the cache (INFO, DEBUG), what ran (DEBUG), and every GearblocksWarning."""
@@ -26,10 +30,18 @@ class GearblocksWarning(UserWarning):
     """Something went another way than asked, or a result is less right than one would take it to be: by name, with a remedy."""
 
 
-def warn(message: str, stacklevel: int) -> None:
-    """A GearblocksWarning at the line so many calls up (1: where this function is called), and the same in the log."""
+def warn(message: str) -> None:
+    """A GearblocksWarning at the nearest line of somebody else's code that led here, and the same in the log."""
     log.warning("%s", message)
-    warnings.warn(message, GearblocksWarning, stacklevel=stacklevel + 1)
+    warnings.warn(message, GearblocksWarning, stacklevel=_calls_within() + 1)
+
+
+def _calls_within() -> int:
+    """How many calls up from the caller the first line outside the packages is; all the way where there is none."""
+    calls, frame = 1, sys._getframe(2)
+    while _OURS.match(frame.f_globals.get("__name__", "")) and frame.f_back is not None:
+        calls, frame = calls + 1, frame.f_back
+    return calls
 
 
 class ModelError(GearblocksError):

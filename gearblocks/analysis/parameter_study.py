@@ -240,6 +240,5 @@ class _Run:
             warn(
                 f"study of '{task.model.program.name}': {len(found.doubts)} of {len(found)} points are in doubt "
                 f"(study.doubts):\n  {listed(found.doubts)}",
-                stacklevel=5,
             )
         return found

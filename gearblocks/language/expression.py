@@ -172,15 +172,15 @@ def as_expr(x: Any) -> Expr:
     """A number, leaf, expression or sympy expression as an `Expr`; ParameterError for anything else."""
     if isinstance(x, Expr):
         return x
-    to_expr = getattr(x, "_expr_", None)
-    if to_expr is not None:
+    if (to_expr := getattr(x, "_expr_", None)) is not None:
         result = to_expr()
         assert isinstance(result, Expr)
         return result
     if is_sympy(x):
         return from_sympy(x)
     if isinstance(x, (bool, str)) or getattr(x, "shape", ()) != () or not hasattr(x, "__float__"):
-        raise ParameterError(f"{x!r:.80} cannot stand in an expression: give SI, or gb.Parameter(name, value, unit)")
+        ways = "give SI, gb.Parameter(name, value, unit) or gb.sense(name)"
+        raise ParameterError(f"{x!r:.80} cannot stand in an expression: {ways}")
     return number(x)
 
 

@@ -187,7 +187,7 @@ class _Run:
             raise self._failure(code, result) from self.sim.error
         self._judged(result, balance, complete)
         if (words := self.watched.warning()) and not self._stands_still(result, balance):
-            warn(f"run of '{result.name}': {words}; run.watched says more, watch=False nothing", 5)
+            warn(f"run of '{result.name}': {words}; run.watched says more, watch=False nothing")
         if log.isEnabledFor(DEBUG):
             log.debug("run of '%s' to t = %g s: %s", result.name, result.t[-1], result.stats)
         return result
@@ -207,7 +207,6 @@ class _Run:
                 f"run of '{self.model.program.name}': its energy is balanced to {energy.residual:.2g} of the turnover "
                 f"only{where}: {'a shorter step' if self.meta['step'] else 'a smaller rtol'} makes it better; "
                 f"residual={RESIDUAL:g} makes it an error",
-                stacklevel=6,
             )
 
     def _stands_still(self, result: Trajectory, balance: EnergyBalance | None) -> bool:

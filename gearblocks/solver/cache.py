@@ -89,7 +89,6 @@ class Cache:
         warn(
             f"the cache {self.root} cannot be written ({_reason(error)}); "
             f"using {spare} until this process ends: set GEARBLOCKS_CACHE to a directory that can be written",
-            stacklevel=4,
         )
 
     def _spare_root(self) -> Path:

@@ -26,6 +26,6 @@ def unusual(path: str, block: Block, *, bare: bool = False) -> Iterator[str]:
 
 
 def warn_of_doubts(path: str, part: object) -> None:
-    """A GearblocksWarning, at the line that called the caller, for every unusual value of a part that is a block."""
+    """A GearblocksWarning for every unusual value of a part that is a block."""
     for doubt in unusual(path, part, bare=True) if isinstance(part, Block) else ():
-        warn(f"{type(part).__name__} {doubt}", stacklevel=3)
+        warn(f"{type(part).__name__} {doubt}")

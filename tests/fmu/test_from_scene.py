@@ -49,8 +49,8 @@ def test_an_fmu_of_a_scene_starts_and_ends_as_the_scene_does(tmp_path: Path) -> 
 
 def test_an_input_that_follows_time_is_said_to_come_from_outside(tmp_path: Path) -> None:
     scene = _scene(inputs={"tau": gb.Table([0, 1], [5.0, 6.0])}, initial=None)
-    with pytest.warns(gb.GearblocksWarning, match="the input 'tau' follows time in the scene"):
+    with pytest.warns(gb.GearblocksWarning, match="the input 'tau' follows time in the scene") as told:
         path = fmu_export.export(scene, tmp_path / "scene.fmu", platforms=())
-    assert float(_description(path)[0]["tau"]) == 2.0
+    assert float(_description(path)[0]["tau"]) == 2.0 and Path(told[0].filename) == Path(__file__)
     with pytest.raises(gb.ParameterError, match="export takes a gb"):
         fmu_export.export("rig", tmp_path / "scene.fmu")  # type: ignore[arg-type]

@@ -7,6 +7,7 @@ import multiprocessing
 import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -215,11 +216,12 @@ def test_energy_that_does_not_balance_is_told() -> None:
     rig.connect(ground.flange, shaft.a)
     rig.connect(shaft.b, rig.add("body", gb.Inertia(J=1.0, w0=1.0)).a)
     steps: dict[str, Any] = {"t_end": 10.0, "method": "rk4", "step": 0.2}
-    with pytest.warns(gb.errors.GearblocksWarning, match="2 of 2 points are in doubt"):
+    with pytest.warns(gb.errors.GearblocksWarning, match="2 of 2 points are in doubt") as told:
         made = gb.sweep(rig, {"shaft.k": [90.0, 100.0]}, quantity=gb.last("body.w"), **steps)
     assert len(made.doubts) == 2 and not made.failures and "in doubt" in repr(made)
-    with pytest.warns(gb.errors.GearblocksWarning, match="its energy is balanced"):  # as a single run says
+    with pytest.warns(gb.errors.GearblocksWarning, match="its energy is balanced") as of_a_run:  # as a single run says
         gb.simulate(rig, **steps)
+    assert [Path(said[0].filename) for said in (told, of_a_run)] == [Path(__file__)] * 2
 
 
 def test_ctrl_c_keeps_what_is_done(clutch_model: gb.Model) -> None:

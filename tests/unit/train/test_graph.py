@@ -48,7 +48,7 @@ def test_connections_that_join_nothing_are_refused() -> None:
         (lambda: rig.expose("a b", a.a), "taken or no word"),
         (lambda: rig.coordinate("t", gb.sense("a.phi"), "rad"), "coordinate name 't' is taken"),
         (lambda: rig.coordinate("x", gb.time, "rad"), "only gb.sense(...)"),
-        (lambda: rig.coordinate("x", "a.phi", "rad"), "neither a number nor an expression"),
+        (lambda: rig.coordinate("x", "a.phi", "rad"), "gb.sense(name)"),
         (lambda: rig["aa"], "has no part 'aa'"),
         (lambda: rig[3], "has no part '3'"),  # type: ignore[index]
     ):
