@@ -25,7 +25,7 @@ double gb_rough_log2(double x) {
 }
 
 /* How often noise may be doubled that a trial was refused for: stages and laws round several times. */
-static const unsigned MOST_DOUBLINGS = 4;
+static const unsigned MOST_DOUBLINGS = 8;
 
 /* The largest of peak and abs(trial) in [from, to). */
 static double largest_in(const double *restrict peak, const double *restrict trial, int from, int to) {

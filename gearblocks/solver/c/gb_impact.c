@@ -242,6 +242,25 @@ static int lies_at_a_stop(gb_sim *sim) {
     return any;
 }
 
+/* What an impact leaves of the slips that it brought to rest is rounding: a speed into a stop that nothing presses
+ * would strike it for ever. */
+static void settle(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    double *mode = sim->mode, *was = sim->constraints.right;
+    for (int i = 0; i < model->n_constraints; i++) {
+        const int active = model->constraints[i].active;
+        was[i] = mode[active];
+        mode[active] = sim->constraints.in[i] && fabs(sim->constraints.slip[i]) <= sim->constraints.slip_rounding[i];
+    }
+    gb_factor_active_set(sim, mode, sim->instant.time_terms, sim->y);
+    gb_project_velocities(sim, sim->instant.time_terms);
+    for (int i = 0; i < model->n_constraints; i++) {
+        mode[model->constraints[i].active] = was[i];
+    }
+    gb_factor_active_set(sim, mode, sim->instant.time_terms, sim->y);
+    slips_after(sim);
+}
+
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
     const double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
@@ -265,6 +284,9 @@ int gb_impact(gb_sim *sim) {
             return sim->head->report.code;
         }
         hit = closed ? find_hit(sim, round + 1, &left) : hit;
+        if (hit < 0) {
+            settle(sim);
+        }
     }
     return GB_DONE;
 }

@@ -15,6 +15,11 @@ static const double MORE = 1.0 + 1e-6;
 /* By how much the rates of implicit methods in time, which are differences over a small part of a step, are noisier. */
 static const double OF_DIFFERENCES = 1e2;
 
+/* What noise is multiplied by because trials were refused for it. */
+static double gain_of_doublings(const gb_sim *sim) {
+    return (double)(1u << sim->head->control.doublings);
+}
+
 /* What rounds in the force of each active constraint: itself, and what others do to its slip, which it answers. */
 static void sizes_of_forces(gb_sim *sim, const double *time_terms, const double *y, double *size) {
     const gb_delassus W = gb_delassus_of(sim);
@@ -81,7 +86,7 @@ static void share_among_tied(const gb_sim *sim, double *noise) {
 int gb_noise_of_locks(gb_sim *sim, const double *time_terms, const double *y, double *left) {
     const gb_model *model = sim->model;
     const int differenced = sim->method->gamma > 0.0 && model->n_time_terms > 0;
-    const double part = OF_LOCKS * (differenced ? OF_DIFFERENCES : 1.0);
+    const double part = OF_LOCKS * (differenced ? OF_DIFFERENCES : 1.0) * gain_of_doublings(sim);
     double *most = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total;
     int beyond = 0;
     gb_free_rates(sim, time_terms, y, left);
@@ -143,7 +148,7 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     const gb_model *model = sim->model;
     const double first = sim->head->counts.steps == 0 ? h : 0.0;
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
-    const double gain = (double)(1u << sim->head->control.doublings);
+    const double gain = gain_of_doublings(sim);
     const unsigned pattern = ++sim->head->control.noise_pattern;
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
     const int implicit = sim->method->gamma > 0.0;

@@ -52,3 +52,33 @@ def test_the_striker_bounces_as_off_a_wall(kind, ratio, method):
         run = gb.simulate(model, t_end=meets + 1.0, parameters=values, method=method, rtol=10 ** random.uniform(-9, -4))
         assert abs(run["lying.w"][-1]) < 1e-12 * fast, values
         assert run["striker.w"][-1] == pytest.approx(-E * hits, rel=1e-9), values
+
+
+@pytest.mark.parametrize("J", [0.055, 0.07, 0.31])
+@pytest.mark.parametrize("e", [0.1, 0.4, 1.0])
+@pytest.mark.parametrize("gear", [False, True])
+def test_what_is_struck_against_a_stop_with_a_damper_behind_stays_there(J, e, gear):
+    """A body that lies unpressed at a stop and is struck towards it: what rounding leaves of its speed is no motion, that
+    the damper would turn into a force that opens the stop."""
+    rig = gb.Drivetrain("struck at rest")
+    hammer, anvil = rig.add("hammer", gb.Inertia(J=0.0364, w0=7.4)), rig.add("anvil", gb.Inertia(J=J))
+    stop, damper = rig.add("stop", gb.HardStop(upper=0.0, restitution=0.8)), rig.add("damper", gb.Damper(c=0.0436))
+    if gear:
+        gap = gb.GearMesh(
+            teeth=(23, 31), external=False, r_base=(0.02, 0.02 * 31 / 23), backlash=gb.Backlash(half_gap=0.00212),
+            contact_damping=gb.HuntCrossley(restitution=e),
+        )  # fmt: skip
+        mesh = rig.add("gap", gap)
+        rig.connect(hammer.a, mesh.pinion)
+        rig.connect(anvil.a, mesh.wheel, stop.a)
+    else:
+        gap = rig.add("gap", gb.HardStop(lower=-0.106, restitution=e))
+        rig.connect(hammer.a, gap.a)
+        rig.connect(anvil.a, gap.b, stop.a)
+    rig.connect(anvil.b, damper.a)
+    rig.connect(damper.b, rig.add("wall", gb.Fixed()).flange)
+    for method in ("auto", "rodas"):
+        run = gb.simulate(rig, t_end=0.02, method=method)
+        assert run["anvil.w"][-1] == 0.0
+        assert run["hammer.w"][-1] == pytest.approx(-7.4 * e, abs=1e-12), method
+        assert [event.component for event in run.events] == ["gap.upper" if gear else "gap.lower"]

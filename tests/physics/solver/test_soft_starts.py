@@ -114,3 +114,37 @@ def test_constants_beside_a_small_value_leave_it_its_digits():
     )
     run = gb.simulate(rig, t=[0.25, 0.5, 1.0], rtol=1e-9)
     assert run["rotor.w"] == pytest.approx(0.5e-12 * np.array([0.0625, 0.25, 1.0]), rel=1e-9)
+
+
+def _held(hold, J, ratio):
+    """A rotor driven by 1 - cos 7.37 t, and beside it a gear set at rest: one shaft is held against its load, what hangs
+    there is free and nothing loads it."""
+    rig = gb.Drivetrain("held beside")
+    rotor, source = rig.add("rotor", gb.Inertia(J=1.0)), rig.add("source", gb.Torque(tau=1 - gb.cos(7.37 * T)))
+    shaft, load = rig.add("shaft", gb.Inertia(J=J)), rig.add("load", gb.Torque(tau=0.25 + 0.2 * gb.cos(4.84 * T)))
+    lock, wall, gear = (
+        rig.add("lock", hold),
+        rig.add("wall", gb.Fixed()),
+        rig.add("gear", gb.IdealPlanetary(ratio=ratio)),
+    )
+    carrier, ring = rig.add("carrier", gb.Inertia(J=1.0)), rig.add("ring", gb.Inertia(J=0.05))
+    rig.chain(source, rotor)
+    rig.connect(load.flange, shaft.a, lock.a, gear.sun)
+    rig.connect(lock.b if hasattr(lock, "b") else lock.housing, wall.flange)
+    rig.connect(carrier.a, gear.carrier)
+    rig.connect(ring.a, gear.ring)
+    return rig
+
+
+HOLDS = (gb.Freewheel(), gb.OneWayClutch(capacity=50.0), gb.Brake(capacity=50.0))
+
+
+@pytest.mark.parametrize("hold", HOLDS, ids=lambda hold: type(hold).__name__)
+@pytest.mark.parametrize(("J", "ratio"), [(1.0, 2.0), (0.3, 3.7)])
+def test_a_soft_start_beside_what_a_lock_holds(hold, J, ratio):
+    """What rounding makes of the free shafts of a gear set is no motion: neither a scale nor an error of steps."""
+    model = gb.build(_held(hold, J, ratio))
+    for method, rtol in (("auto", 1e-8), ("dp5", 1e-6), ("dp8", 1e-9), ("rodas", 1e-7)):
+        run = gb.simulate(model, t_end=1.0, method=method, rtol=rtol)
+        assert run["rotor.w"][-1] == pytest.approx(1 - np.sin(7.37) / 7.37, rel=10 * rtol)
+        assert max(abs(run["carrier.w"])) < 1e-11 and run.stats.steps < 400, (method, rtol)
