@@ -118,6 +118,7 @@ static int decide(gb_sim *sim, double turnover) {
     const double left = stop > t && stop < HUGE_VAL ? stop - t : t - sim->head->front.t_start;
     const double allowed = GOAL * sim->head->options.rtol, now = fabs(drift->sum), goal = allowed * turnover;
     const double rate = fabs(drift->sum - drift->chosen) / since, more = rate * left;
+    const double strictest = gb_min(STRICTEST, log2(sim->head->options.rtol / LEAST));
     const int grows = turnover > GROWTH * drift->turnover;
     const double room = gb_max(goal - now, 0.2 * goal) + allowed * COUNTED_ON * growth_rate(drift, turnover, t) * left;
     drift->turnover = turnover;
@@ -129,9 +130,10 @@ static int decide(gb_sim *sim, double turnover) {
     if (drift->strictness <= 0.0) {
         drift->rate = gb_max(drift->rate, rate / turnover);
     }
-    drift->tries = drift->strictness > USELESS && rate / turnover > 0.5 * drift->rate ? drift->tries + 1 : 0;
+    const int most = drift->strictness > gb_min(USELESS, strictest - LESS);
+    drift->tries = most && rate / turnover > 0.5 * drift->rate ? drift->tries + 1 : 0;
     drift->strictness += gb_max(0.0, gb_min(1.0 + log2(more / room), MOST_AT_ONCE));
-    drift->strictness = gb_min(drift->strictness, gb_min(STRICTEST, log2(sim->head->options.rtol / LEAST)));
+    drift->strictness = gb_min(drift->strictness, strictest);
     drift->chosen = drift->sum;
     drift->t_chosen = t;
     drift->turnover_chosen = turnover;

@@ -94,9 +94,7 @@ static void note_round(gb_sim *sim, const double *impulse, const double *before)
             ends_slip(sim, i)) {
             continue;
         }
-        if (gb_is_stop(sim, i) || gb_is_unbounded(sim, i) || !gb_is_active(sim, i)) {
-            note_impact(sim, i, impulse[i], before[i], sim->constraints.slip[i]);
-        }
+        note_impact(sim, i, impulse[i], before[i], sim->constraints.slip[i]);
         const double earlier = sim->constraints.struck[i] ? sim->constraints.slip_before[i] : 0.0;
         sim->constraints.slip_before[i] = gb_max(earlier, fabs(before[i]));
         sim->constraints.struck[i] = fabs(sim->constraints.slip[i]) <= rounding ? GB_STRUCK_TO_REST : GB_STRUCK;

@@ -189,3 +189,25 @@ def test_two_stops_without_restitution_that_open_each_other_come_to_rest(J, load
     assert [run["inner.w"][-1], run["outer.w"][-1]] == [0.0, 0.0]
     assert sum(run.energy.dissipated.values()) == pytest.approx(0.1 * load[0] + 0.2 * load[1], rel=1e-8)
     assert len(run.events) < 200
+
+
+@pytest.mark.parametrize(("first", "second", "third"), [(2.88, 0.12, 0.113), (1.0, 0.5, 0.2), (0.4, 0.3, 0.05)])
+def test_a_one_way_lock_that_one_strike_opens_and_the_next_one_takes_up_again_loses_at_it(first, second, third):
+    """The sun of a planetary set comes to its stop, bounces into a freewheel to the ring, and that throws the ring back
+    onto a one-way clutch that the bounce has just opened: three strikes at one instant, each with its loss."""
+    rig = gb.Drivetrain("in turn")
+    ring, behind = (rig.add(n, gb.Inertia(J=J, w0=0.0)) for n, J in (("ring", first), ("behind", second)))
+    carrier, sun = rig.add("carrier", gb.Inertia(J=third)), rig.add("sun", gb.Inertia(J=0.2, phi0=0.1, w0=-1.3))
+    gear = rig.add("gear", gb.IdealPlanetary(ratio=1.5))
+    clutch, wheel = rig.add("clutch", gb.OneWayClutch(capacity=13.0)), rig.add("wheel", gb.Freewheel())
+    stop = rig.add("stop", gb.HardStop(lower=0.0, restitution=0.581))
+    rig.connect(sun.a, gear.sun, stop.a, wheel.a)
+    rig.connect(carrier.a, gear.carrier)
+    rig.connect(ring.a, gear.ring, clutch.a, wheel.b)
+    rig.connect(clutch.b, behind.a)
+    rig.chain(rig.add("load", gb.Torque(tau=-0.55)), behind)
+    rig.connect(ring.b, rig.add("brake", gb.Brake(capacity=5.0)).a)
+    run = gb.simulate(rig, t_end=0.2, rtol=1e-9)
+    assert [event.component for event in run.events if event.kind == "impact"][:3] == ["stop.lower", "wheel", "clutch"]
+    moving = sum(run[f"{name}.kinetic_energy"] for name in ("ring", "behind", "carrier", "sun"))
+    assert moving[-1] < 0.9 * moving[0] and run.energy.residual < 1e-9
