@@ -19,8 +19,8 @@ static void gb_active_mark(const gb_constraint_rows *rows, const gb_delassus *W,
     }
 }
 
-void gb_active_choose(const gb_constraint_rows *rows, const double *value, const int *is_active, const double *matrix,
-                      gb_active_set *a) {
+void gb_active_choose(const gb_constraint_rows *rows, const double *value, const double *light, const int *is_active,
+                      const double *matrix, gb_active_set *a) {
     const int n = rows->n;
     const gb_delassus W = {n, rows->pattern, matrix};
     int from[n + 1], is_own[n + 1], count = 0;
@@ -32,7 +32,7 @@ void gb_active_choose(const gb_constraint_rows *rows, const double *value, const
             from[count++] = i;
         }
     }
-    gb_active_rows(rows, value, count, from, 1e-9, a);
+    gb_active_rows(rows, value, light, count, from, 1e-9, a);
     *a->count = *a->n_rows;
     for (int r = 0; r < *a->n_rows; r++) {
         a->index[r] = a->of[r];
@@ -49,8 +49,9 @@ void gb_active_choose(const gb_constraint_rows *rows, const double *value, const
     }
 }
 
-void gb_active_restore(const gb_constraint_rows *rows, const double *value, const double *matrix, gb_active_set *a) {
-    gb_active_renew(rows, value, matrix, a);
+void gb_active_restore(const gb_constraint_rows *rows, const double *value, const double *light, const double *matrix,
+                       gb_active_set *a) {
+    gb_active_renew(rows, value, light, matrix, a);
 }
 
 /* Products with this factor are exact. */

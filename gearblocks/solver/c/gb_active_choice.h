@@ -9,12 +9,13 @@
 #include "gb_active_set.h"
 
 /* The active set: which of the constraints with is_active[i] are independent, with its factors; `redundant` marks those
- * whose force the motion does not tell. */
-void gb_active_choose(const gb_constraint_rows *rows, const double *value, const int *is_active, const double *matrix,
-                      gb_active_set *a);
+ * whose force the motion does not tell. light: see gb_active_rows. */
+void gb_active_choose(const gb_constraint_rows *rows, const double *value, const double *light, const int *is_active,
+                      const double *matrix, gb_active_set *a);
 
 /* What follows from an active set that is known, once a state was restored (gb_active_renew). */
-void gb_active_restore(const gb_constraint_rows *rows, const double *value, const double *matrix, gb_active_set *a);
+void gb_active_restore(const gb_constraint_rows *rows, const double *value, const double *light, const double *matrix,
+                       gb_active_set *a);
 
 /* The active set as ties, where it is like them; with a diagonal mass matrix. */
 void gb_active_tie(const gb_constraint_rows *rows, const double *mass, const double *inverse_mass, gb_active_set *a);

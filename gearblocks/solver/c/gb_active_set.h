@@ -119,10 +119,10 @@ static inline int gb_active_indices(const gb_active_set *a, int *kept) {
 
 /* What follows from an active set that is known: after a state was restored, or at another position where the values of
  * rows change with it. */
-static inline void gb_active_renew(const gb_constraint_rows *rows, const double *value, const double *matrix,
-                                   gb_active_set *a) {
+static inline void gb_active_renew(const gb_constraint_rows *rows, const double *value, const double *light,
+                                   const double *matrix, gb_active_set *a) {
     int kept[rows->n + 1];
-    gb_active_rows(rows, value, gb_active_indices(a, kept), kept, 0.0, a);
+    gb_active_rows(rows, value, light, gb_active_indices(a, kept), kept, 0.0, a);
     gb_active_invert(rows, matrix, a);
 }
 

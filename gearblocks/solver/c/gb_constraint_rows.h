@@ -112,11 +112,16 @@ static inline void gb_row_add(const gb_constraint_rows *rows, const double *valu
     }
 }
 
-/* A row being reduced: coefficients by column, the columns that it has come to, which row has a column as its pivot. */
+/* A row being reduced: coefficients by column, the columns that it has come to, which row has a column as its pivot;
+ * lightness by column (NULL: all alike). */
 typedef struct gb_reduction {
     double *own;
     int *touched, *is_touched, *row_of, n_touched;
+    const double *light;
 } gb_reduction;
+
+/* Part of the largest coefficient that a lighter speed must have to be the pivot. */
+static const double GB_PIVOT_PART = 0.01;
 
 static inline void gb_reduction_add(gb_reduction *work, int column, double part) {
     if (!work->is_touched[column]) {
@@ -137,13 +142,18 @@ static inline int gb_reduction_next(const gb_reduction *work) {
     return next;
 }
 
-/* The pivot of the row and its coefficient there: the largest, of equal ones that of the first column. */
+/* The largest coefficient of the row, and its pivot: what moves most by a force along it, of equal ones the first
+ * column. The accelerations of light bodies cancel; what follows from heavier ones passes no rounding on. */
 static inline double gb_reduction_pivot(const gb_reduction *work, int *pivot) {
-    double left = 0.0;
+    double left = 0.0, most = 0.0;
+    for (int k = 0; k < work->n_touched; k++) {
+        left = fmax(left, fabs(work->own[work->touched[k]]));
+    }
     for (int k = 0; k < work->n_touched; k++) {
         const int c = work->touched[k];
-        if (fabs(work->own[c]) > left || (fabs(work->own[c]) == left && left > 0.0 && c < *pivot)) {
-            left = fabs(work->own[c]);
+        const double size = fabs(work->own[c]), moves = work->light ? size * size * work->light[c] : size;
+        if (size > GB_PIVOT_PART * left && (moves > most || (moves == most && most > 0.0 && c < *pivot))) {
+            most = moves;
             *pivot = c;
         }
     }
@@ -193,16 +203,18 @@ static inline void gb_active_reduce(const gb_constraint_rows *rows, const double
     }
 }
 
-/* Reduces the rows in `from` (of which there are `count`) in that order and keeps those that are independent. */
-static inline void gb_active_rows(const gb_constraint_rows *rows, const double *value, int count, const int *from,
-                                  double least, gb_active_set *a) {
+/* Reduces the rows in `from` (of which there are `count`) in that order and keeps those that are independent. light: by
+ * speed, how little inertia it has, in parts of any other one's (NULL: all alike). */
+static inline void gb_active_rows(const gb_constraint_rows *rows, const double *value, const double *light, int count,
+                                  const int *from, double least, gb_active_set *a) {
     const int m = rows->n_columns;
-    double own[m + 1];
+    double own[m + 1], light_of[m + 1];
     int touched[m + 1], is_touched[m + 1], row_of[m + 1];
-    gb_reduction work = {own, touched, is_touched, row_of, 0};
+    gb_reduction work = {own, touched, is_touched, row_of, 0, light ? light_of : NULL};
     for (int c = 0; c < m; c++) {
         is_touched[c] = 0;
         row_of[c] = -1;
+        light_of[c] = light ? light[rows->speed[c]] : 1.0;
     }
     *a->n_rows = a->start[0] = a->factor_start[0] = 0;
     for (int i = 0; i < count; i++) {
