@@ -10,9 +10,9 @@ import numpy as np
 
 from gearblocks.analysis.linearization import OperatingPoint, operating_point
 from gearblocks.analysis.modes import body_speeds, modes_at
-from gearblocks.codegen.program import ParameterInfo
+from gearblocks.codegen.program import ParameterInfo, Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import has_unit, number_in_si
 from gearblocks.pages import small_table
@@ -88,8 +88,8 @@ def campbell(
 
     speed: a Parameter, or the speed of a body ("motor.w") with which all bodies turn in their ratios. orders: by name or
     as numbers; left out, they follow from the train: one per shaft speed and one per GearMesh (its teeth) or planetary set
-    (the teeth that pass its carrier), relative to the body `reference` (default: the body of `speed`, else the first one).
-    count: the lowest modes only.
+    (the teeth that pass its carrier), relative to the body `reference` (default: the body of `speed`, else the first one; of
+    a train that a Parameter drives, such as gb.Speed(w=n), to that speed). count: the lowest modes only.
     """
     model = build(train)
     values = np.atleast_1d(np.asarray(_in_si(speeds), dtype=float))
@@ -107,7 +107,15 @@ def campbell(
             swinging = modes_at(turning, count)
             found.append(swinging.frequencies[swinging.free :])
             damping.append(swinging.damping[swinging.free :])
-            lines = _orders(train, point, orders, reference or body)
+            lines = _given(orders) if orders is not None else _orders(train, point, reference or body)
+    if lines is None and driven is not None and reference is None:
+        rolled = [_rolled(model, {**(parameters or {}), **_set_to(driven, float(v))}) / v for v in values[[0, -1]] if v]
+        lines = _driven_orders(train, model.program, rolled)
+    if lines is None:
+        raise ParameterError(
+            f"orders: no speed of '{speed}' turns the train as one piece in fixed ratios, so they are unknown; give "
+            "orders={'name': per turn}"
+        )
     width = min(map(len, found))
     table = np.array([row[:width] for row in found])
     crossings = _crossings(values, table, lines)
@@ -157,35 +165,55 @@ def _turning(point: Point, body: str, speed: float) -> Point:
     return point.at(y=y).settled()
 
 
-def _orders(
-    train: Drivetrain | Model, point: Point, given: Mapping[str, float] | Sequence[float] | None, reference: str | None
-) -> dict[str, float]:
-    """Excitations per turn of the reference, by name."""
-    if isinstance(given, Mapping):
-        return {str(k): float(v) for k, v in given.items()}
-    if given is not None:
-        return {f"order {v:g}": float(v) for v in given}
-    bodies, numbers = body_speeds(point.program)
+def _given(orders: Mapping[str, float] | Sequence[float]) -> dict[str, float]:
+    if isinstance(orders, Mapping):
+        return {str(k): float(v) for k, v in orders.items()}
+    return {f"order {v:g}": float(v) for v in orders}
+
+
+def _orders(train: Drivetrain | Model, point: Point, reference: str | None) -> dict[str, float] | None:
+    """Excitations per turn of the reference, by name; None where nothing turns freely."""
+    bodies, _ = body_speeds(point.program)
     if reference is not None and reference not in bodies:
         raise ParameterError(f"reference = {reference!r} is no body of the train; it has {', '.join(bodies[:12])}")
     turn = _free_turn(point, reference)
-    if turn is None:
-        raise ParameterError("the train cannot turn freely, so its orders are unknown: give orders={'name': per turn}")
-    outputs = turn[1]
+    return None if turn is None else _lines(train, point.program, turn[1])
+
+
+def _rolled(model: Model, parameters: Mapping[str, float | str]) -> Array:
+    """All outputs where what is driven turns along in its ratios, twisting nothing; NaN where there is no such motion."""
+    try:
+        with operating_point(model, "rolling", None, parameters) as point:
+            return point.outputs(point.y)
+    except (ParameterError, SimulationError):
+        return np.full(len(model.program.outputs), np.nan)
+
+
+def _driven_orders(train: Drivetrain | Model, program: Program, rolled: Sequence[Array]) -> dict[str, float] | None:
+    """Excitations per turn of the speed that drives; rolled: outputs over that speed, which must be the same at each."""
+    _, numbers = body_speeds(program)
+    if not rolled or not all(np.allclose(x[numbers], rolled[0][numbers], rtol=1e-9, atol=1e-12) for x in rolled):
+        return None
+    return _lines(train, program, rolled[-1]) or None
+
+
+def _lines(train: Drivetrain | Model, program: Program, outputs: Array) -> dict[str, float]:
+    """Orders of shafts and teeth, by name, from the outputs per turn."""
+    bodies, numbers = body_speeds(program)
     found: dict[float, list[str]] = {}
     for body, i in zip(bodies, numbers, strict=True):
         found.setdefault(round(abs(float(outputs[i])), 9), []).append(body)
     lines = {f"shaft of {_listed(names)}": order for order, names in found.items() if order > 0}
-    return lines | _mesh_orders(train, point, outputs)
+    return lines | _mesh_orders(train, program, outputs)
 
 
-def _mesh_orders(train: Drivetrain | Model, point: Point, outputs: Array) -> dict[str, float]:
+def _mesh_orders(train: Drivetrain | Model, program: Program, outputs: Array) -> dict[str, float]:
     """Tooth meshes per turn of every GearMesh of the train, those of planetary sets too: past their carrier."""
     from gearblocks.blocks import GearMesh
 
     if isinstance(train, Model):
         return {}
-    index = {q.name: i for i, q in enumerate(point.program.outputs)}
+    index = {q.name: i for i, q in enumerate(program.outputs)}
     found: dict[float, list[str]] = {}
     for c in train.train().components:
         if isinstance(c.block, GearMesh):

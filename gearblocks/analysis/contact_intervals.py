@@ -62,6 +62,9 @@ def contact_loss(
     angle: an output, such as "pinion.phi", whose revolutions are shared, too; section: gb.stroboscopic("speed"), in whose
     periods closings are counted; after, before: the window [s] (default: the whole run). Raises UnknownNameError where the
     component has no output "contact".
+
+    The answer has time_share, turn_share, per_period, free (the intervals) and closings (the times). In a study its numbers
+    are quantities by a function: quantity=lambda run: gb.contact_loss(run, "mesh").time_share.
     """
     start, end = window_of(run, after, before)
     known = set(span_of_run(run).units)

@@ -121,9 +121,29 @@ def _of(measure: Measure, run: Trajectory, span: Span) -> float | Array:
         with solution_of(run, run.case, measure.needs(span)) as solution:
             return measure.measure(solution, span)
     try:
-        return float(measure(run))
+        answer = measure(run)
+        if isinstance(answer, str) or not hasattr(answer, "__float__"):
+            raise TypeError(f"its answer is {_answered(answer)}, where a quantity is one number")
+        return float(answer)
     except Exception as error:
         raise Failed(f"{function_name(measure)}: {type(error).__name__}: {error}", error) from error
+
+
+_NUMBER = ("float", "int", "float | None", float, int)
+"""How declarations of numbers are written."""
+
+
+def _answered(answer: Any) -> str:
+    """An answer in words: None, or a kind of thing and the numbers that it has."""
+    if answer is None:
+        return "None"
+    kind = type(answer)
+    found = {
+        n: p.fget.__annotations__.get("return") for n, p in vars(kind).items() if isinstance(p, property) and p.fget
+    }
+    told = {**getattr(kind, "__annotations__", {}), **found}
+    numbers = [n for n, words in told.items() if getattr(words, "__forward_arg__", words) in _NUMBER]
+    return f"of kind {type(answer).__name__}" + (f" (of which {', '.join(numbers)} are numbers)" if numbers else "")
 
 
 def function_name(function: Any) -> str:

@@ -7,8 +7,10 @@ import textwrap
 from typing import Any
 
 import gearblocks as gb
+from gearblocks.analysis.quantity import Quantity
 from gearblocks.errors import UnknownNameError, did_you_mean
 from gearblocks.language.block import Block, Effect
+from gearblocks.language.expression import Expr
 from gearblocks.language.reference import Documented, Verbatim, written_doc
 
 WIDTH = 118
@@ -24,7 +26,8 @@ def page(name: str) -> str:
         )
     value = getattr(gb, bare)
     return "\n".join([
-        _call(f"gb.{bare}", value), "", inspect.getdoc(value) or "There are no words about it.", *_methods(value)
+        _call(f"gb.{bare}", value), "", inspect.getdoc(value) or "There are no words about it.", *_methods(value),
+        *_answer(value),
     ])  # fmt: skip
 
 
@@ -51,6 +54,24 @@ def _arguments(value: Any) -> list[str]:
     return shown
 
 
+def _answer(value: Any) -> list[str]:
+    """What a function answers, where that is an object of ours without a public name of its own."""
+    if isinstance(value, type) or not callable(value):
+        return []
+    function = inspect.unwrap(value)
+    kind = getattr(function, "__globals__", {}).get(inspect.signature(function).return_annotation)
+    if not isinstance(kind, type) or not kind.__module__.startswith("gearblocks.") or kind.__name__ in gb.__all__:
+        return []
+    if issubclass(kind, Quantity | Expr):
+        return []
+    return [
+        "",
+        f"Answers {kind.__name__}",
+        *textwrap.indent(inspect.getdoc(kind) or "", "  ").split("\n"),
+        *_methods(kind),
+    ]
+
+
 def _methods(value: Any) -> list[str]:
     """What objects of a class can do and what they have, a line each; blocks and effects have tables in place of that."""
     if not isinstance(value, type) or issubclass(value, Block | Effect | BaseException):
@@ -74,11 +95,13 @@ def _names(method: Any) -> list[str]:
 
 
 def listing() -> str:
-    """Every block and effect of the catalogue with the first words about it."""
-    kinds = {name: value for name in gb.__all__ if isinstance(value := getattr(gb, name), type)}
+    """Every block, effect and function of the catalogue with the first words about it."""
+    values = {name: getattr(gb, name) for name in gb.__all__ if not name.startswith("_")}
+    kinds = {name: value for name, value in values.items() if isinstance(value, type)}
     groups = (
         ("Blocks", {n: k for n, k in kinds.items() if issubclass(k, Block) and k is not Block}),
         ("Effects", {n: k for n, k in kinds.items() if issubclass(k, Effect) and k is not Effect}),
+        ("Functions", {n: x for n, x in values.items() if inspect.isfunction(x)}),
     )
     width = max(len(name) for _, group in groups for name in group)
     lines = []
@@ -89,12 +112,17 @@ def listing() -> str:
             "",
         ]
     return "\n".join(
-        [*lines, "gearblocks doc NAME: fields, flanges, outputs and an example of one; in Python help(gb.NAME)"]
+        [
+            *lines,
+            "gearblocks doc NAME: fields, flanges, outputs and an example of a block, arguments and answer of a function;",
+            "in Python help(gb.NAME)",
+        ]
     )
 
 
-def _words(kind: type, width: int) -> str:
+def _words(kind: Any, width: int) -> str:
     """The first sentence, or as much of it as there is room for."""
-    first = " ".join(written_doc(kind).split("\n\n")[0].split())
+    words = written_doc(kind) if isinstance(kind, type) else inspect.getdoc(kind) or ""
+    first = " ".join(words.split("\n\n")[0].split())
     end = min((i for i in (first.find(". "), first.find(": "), first.find("; ")) if i > 0), default=len(first))
     return textwrap.shorten(first[:end].rstrip(".:,"), width, placeholder=" ...")

@@ -90,12 +90,35 @@ def test_arguments_that_are_given_by_name_are_marked(capsys: pytest.CaptureFixtu
     )
 
 
-def test_doc_alone_lists_blocks_and_effects_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("function", "answer", "words"),
+    [
+        ("contact_loss", "ContactLoss", ["time_share: of the time", ".time_share\n"]),
+        ("speed_sweep", "SpeedSweep", ["Response of output", ".plot("]),
+        ("orders", "OrderMap", ["Amplitudes of output", ".plot("]),
+    ],
+)
+def test_doc_tells_what_an_answer_without_a_public_name_has(
+    function: str, answer: str, words: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["doc", function]) == 0
+    out = capsys.readouterr().out
+    assert not [x for x in (f"\nAnswers {answer}\n", *words) if x not in out.replace("`", "")]
+
+
+@pytest.mark.parametrize("name", ["simulate", "sweep", "peak", "sense", "rpm"])
+def test_doc_tells_no_answer_twice(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doc", name]) == 0
+    assert "\nAnswers " not in capsys.readouterr().out  # it has a page of its own, or is a quantity, signal or number
+
+
+def test_doc_alone_lists_blocks_effects_and_functions_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["doc"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 118
     listed = {line.split()[0]: line.split(maxsplit=1)[1:] for line in lines if line.startswith("  ")}
-    assert set(listed) == {kind.__name__ for kind in KINDS}
+    functions = {name for name in gb.__all__ if inspect.isfunction(getattr(gb, name))}
+    assert set(listed) == {kind.__name__ for kind in KINDS} | functions and {"simulate", "sweep", "peak"} <= functions
     assert all(words for words in listed.values())
 
 

@@ -52,8 +52,56 @@ def test_frequencies_that_depend_on_a_speed_are_followed():
     assert found.frequencies[:, 0] == pytest.approx(np.sqrt(100 + speeds**2), rel=1e-8)
     (crossing,) = found.crossings
     assert crossing.speed == pytest.approx(10 / np.sqrt(3), rel=1e-3)  # straight lines between speeds 0.5 rad/s apart
-    with pytest.raises(gb.ParameterError, match="cannot turn freely"):
+    with pytest.raises(gb.ParameterError, match="no speed of 'speed' turns the train"):
         gb.campbell(rig, "speed", speeds)
+
+
+def _driven(given, *, external=True, turned=False):
+    """A gear pair of 23 and 41 teeth behind a shaft, its drive or its load end turned at a given speed."""
+    rig = gb.Drivetrain("driven pair")
+    drive, shaft = rig.add("drive", gb.Speed(w=given)), rig.add("shaft", gb.Shaft(k=2e4, c=3.0))
+    pair = gb.GearMesh(teeth=(23, 41), r_base=(0.023, 0.041), external=external, k=2e8, damping_ratio=0.05)
+    pinion, mesh, wheel = (
+        rig.add("pinion", gb.Inertia(J=2e-4)),
+        rig.add("mesh", pair),
+        rig.add("wheel", gb.Inertia(J=0.05)),
+    )
+    body = rig.add("body", gb.Inertia(J=0.1))
+    row = (pinion, mesh, wheel)
+    if turned:
+        rig.connect(drive.flange, shaft.a)
+        rig.connect(shaft.b, wheel.a)
+        rig.connect(wheel.b, mesh.wheel)
+        rig.connect(mesh.pinion, pinion.a)
+        rig.connect(pinion.b, rig.add("end", gb.Shaft(k=1e4, c=1.0)).a)
+        rig.connect(rig["end"].b, body.a)
+    else:
+        rig.chain(drive, shaft, *row, rig.add("end", gb.Shaft(k=1e4, c=1.0)), body)
+    return rig
+
+
+@pytest.mark.parametrize("external", [True, False])
+@pytest.mark.parametrize(("turned", "teeth"), [(False, 23.0), (True, 41.0)])
+@pytest.mark.parametrize("per_turn", [1.0, 23.0])
+def test_a_parameter_that_drives_has_the_orders_of_the_teeth(external, turned, teeth, per_turn):
+    frequency = gb.Parameter("n", 100.0, "rpm")  # of the shaft, or of its teeth
+    rig = _driven(frequency / per_turn, external=external, turned=turned)
+    found = gb.campbell(rig, "n", ["100 rpm", "3000 rpm", "90000 rpm"])
+    shares = {"pinion, body": 41 / 23, "wheel": 1.0} if turned else {"pinion": 1.0, "wheel, body": 23 / 41}
+    wanted = {f"shaft of {name}": share / per_turn for name, share in shares.items()} | {
+        "teeth of mesh": teeth / per_turn
+    }
+    assert found.orders == pytest.approx(wanted, rel=1e-8)
+    assert [c.frequency / c.speed for c in found.crossings if c.order == "teeth of mesh"] == pytest.approx(
+        [teeth / per_turn] * sum(c.order == "teeth of mesh" for c in found.crossings), rel=1e-8
+    ) and any(c.order == "teeth of mesh" for c in found.crossings)
+
+
+def test_a_speed_that_is_not_in_proportion_to_its_parameter_has_no_orders():
+    n = gb.Parameter("n", 100.0, "rpm")
+    for given in (n + 5.0, n**2, 30.0 + 0.0 * n):
+        with pytest.raises(gb.ParameterError, match=r"orders: no speed of 'n' turns the train .* give orders="):
+            gb.campbell(_driven(given), "n", ["100 rpm", "3000 rpm"])
 
 
 # -- pictures ---------------------------------------------------------------------------------------------------------
