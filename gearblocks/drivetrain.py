@@ -5,6 +5,7 @@ from __future__ import annotations
 import fnmatch
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
@@ -17,7 +18,8 @@ from gearblocks.model.build import check_user_blocks
 from gearblocks.model.effect_removal import needed, without_effects
 from gearblocks.pages import Lines
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
-from gearblocks.train.handles import FlangeHandle, Handle, bare, lost_flanges
+from gearblocks.train.handles import FlangeHandle, Handle, bare, end_of, lost_flanges, main_ends
+from gearblocks.train.leaves import with_parameter
 from gearblocks.train.left_out import LeftOut, left_out_of
 from gearblocks.train.plausibility import warn_of_doubts
 from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
@@ -79,7 +81,7 @@ class Drivetrain:
 
     def connect(self, *flanges: FlangeHandle | Flange) -> None:
         """Joins two or more flanges to one shaft. May be repeated; joined flanges turn together."""
-        ends = [self._end(f) for f in flanges]
+        ends = [end_of(self, f) for f in flanges]
         if len(ends) < 2:
             raise ModelError("connect needs at least two flanges")
         if len(set(ends)) < len(ends):
@@ -94,7 +96,7 @@ class Drivetrain:
         running: tuple[str, str] | None = None
         waiting: list[tuple[str, str]] = []
         for part in parts:
-            ends = self._main_ends(part)
+            ends = main_ends(self, part)
             attach = [*waiting, *([running] if running else []), ends[0]]
             if len(ends) == 1 and running is None:
                 waiting.append(ends[0])
@@ -111,7 +113,7 @@ class Drivetrain:
         """Makes a flange of a part a flange of this train, for use inside another one."""
         if not isinstance(name, str) or not _NAME.fullmatch(name) or name in self._exposed:
             raise ModelError(f"'{self.name}': the name {name!r} for an exposed flange is taken or no word")
-        self._exposed[name] = self._end(flange)
+        self._exposed[name] = end_of(self, flange)
 
     def coordinate(self, name: str, expr: Any, unit: str) -> None:
         """Names a relative coordinate, an expression of gb.sense(...) and Parameters.
@@ -127,26 +129,6 @@ class Drivetrain:
             raise ModelError(f"coordinate '{name}': only gb.sense(...), Parameters and numbers may stand in it")
         declared(f"coordinate '{name}'", unit)
         self._coordinates.append(Coordinate(name, expression, unit))
-
-    def _end(self, flange: Any) -> tuple[str, str]:
-        if isinstance(flange, Handle):
-            raise ModelError(f"connect joins flanges: name one of {flange._name}.{{{', '.join(flange.flanges)}}}")
-        if not isinstance(flange, FlangeHandle) or flange.owner is not self:
-            raise ModelError(f"{flange!r} is no flange of '{self.name}': use the handle that add returned")
-        return (flange.part, flange.flange)
-
-    def _main_ends(self, part: Any) -> list[tuple[str, str]]:
-        if not isinstance(part, Handle) or part._owner is not self:
-            raise ModelError(f"{part!r} is no part of '{self.name}': use the handle that add returned")
-        if isinstance(part._part, Block):
-            main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
-        else:
-            main = list(part.flanges)
-        if not 1 <= len(main) <= 2:
-            raise ModelError(
-                f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"
-            )
-        return [(part._name, flange) for flange in main]
 
     # -- changing -----------------------------------------------------------------------------------------------------
 
@@ -188,13 +170,16 @@ class Drivetrain:
 
     @by_name_only
     def set(self, values: Mapping[str, Any]) -> Drivetrain:
-        """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}."""
+        """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}; or by the name
+        of a Parameter, in its unit: {"speed": 3000}, which changes everywhere."""
         other = self._copy()
         paths = {*self.field_paths(), *self._parts, *(path for path, _, _, _ in self._walk())}
         problems: list[str] = []
         changed: dict[str, tuple[Drivetrain, str]] = {}
         for path, value in by_name("the values by path", values).items():
             try:
+                if path not in paths and other._set_parameter(path, value, changed):
+                    continue
                 found = unique_path(path, paths)
                 owner, name, rest = other._locate(found)
                 owner._parts[name] = replaced(owner._parts[name], rest.split("."), value) if rest else bare(value)
@@ -212,6 +197,22 @@ class Drivetrain:
         for path, (owner, name) in changed.items():
             warn_of_doubts(path, owner._parts[name])
         return other
+
+    def _set_parameter(
+        self, name: str, value: Any, changed: dict[str, tuple[Drivetrain, str]], prefix: str = ""
+    ) -> bool:
+        """Another value of a Parameter; `changed` gets the blocks that it stands in. Whether it stands anywhere."""
+        before, coordinates = self._before, self._coordinates
+        self._before = {part: with_parameter(block, name, value) for part, block in before.items()}
+        self._coordinates = [replace(c, expr=with_parameter(c.expr, name, value)) for c in coordinates]
+        found = any(c.expr is not old.expr for c, old in zip(self._coordinates, coordinates, strict=True))
+        found |= any(self._before[part] is not block for part, block in before.items())
+        for part, whole in self._parts.items():
+            if isinstance(whole, Drivetrain):
+                found |= whole._set_parameter(name, value, changed, f"{prefix}{part}.")
+            elif (new := with_parameter(whole, name, value)) is not whole:
+                self._parts[part], changed[f"{prefix}{part}"], found = new, (self, part), True
+        return found
 
     def field_paths(self) -> frozenset[str]:
         """Paths of all values of all blocks: "mesh.k", "mesh.backlash.half_gap", "gear.ratio", ..."""

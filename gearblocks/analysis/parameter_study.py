@@ -17,7 +17,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.analysis.designs import Design, cases, grid, paths_of, with_numbers
+from gearblocks.analysis.designs import Design, grid, paths_of, with_numbers
+from gearblocks.analysis.designs import cases as listed_cases
 from gearblocks.analysis.measuring import measure, measure_packed, packed
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.study_point import Interrupted, Measured, Task, points_in_si
@@ -84,7 +85,7 @@ def sweep(
 
 @by_name_only
 def study(
-    train: Drivetrain | Model, cases_: Sequence[Mapping[str, float | str]] | Mapping[str, Row], *, quantity: Any,
+    train: Drivetrain | Model, cases: Sequence[Mapping[str, float | str]] | Mapping[str, Row], *, quantity: Any,
     t_end: float | str | None = None, t: ArrayLike | None = None, t_start: float | str | None = None,
     section: Section | None = None,
     transient: int = 300, keep: int = 100, method: str = "auto", rtol: float = 1e-6, step: float | str | None = None,
@@ -100,7 +101,7 @@ def study(
         step=step, max_step=max_step, locate=locate, steps_per_period=steps_per_period, inputs=inputs,
         parameters=parameters, initial=initial,
     )  # fmt: skip
-    return _studied(train, cases, cases_, quantity, settings, executor, threads, chunk, store, progress)
+    return _studied(train, listed_cases, cases, quantity, settings, executor, threads, chunk, store, progress)
 
 
 def _studied(

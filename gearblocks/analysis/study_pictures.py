@@ -29,6 +29,8 @@ class Study(Protocol):
     @property
     def paths(self) -> tuple[str, ...]: ...
     @property
+    def failed(self) -> NDArray[np.bool_]: ...
+    @property
     def units(self) -> tuple[str, ...]: ...
     @property
     def points(self) -> Array: ...
@@ -118,9 +120,16 @@ def _line(axis: Axes, study: Study, name: str, over: int) -> None:
     missing &= study.done
     if missing.any():
         low = axis.get_ylim()[0]
-        axis.plot(x[missing], np.full(int(missing.sum()), low), "x", color=COLOURS[1], label="failed", clip_on=False)
+        label = _missing_words(study, missing)
+        axis.plot(x[missing], np.full(int(missing.sum()), low), "x", color=COLOURS[1], label=label, clip_on=False)
         axis.legend()
     axis.set_ylabel(_label(name, unit))
+
+
+def _missing_words(study: Study, missing: NDArray[np.bool_]) -> str:
+    """What points without a value are: failed, or runs that have no such value."""
+    failed = study.failed[missing]
+    return "failed" if failed.all() else "failed, or none" if failed.any() else "none"
 
 
 def _colours(figure: Figure, axis: Axes, study: Study, name: str) -> None:
@@ -141,10 +150,10 @@ def _colours(figure: Figure, axis: Axes, study: Study, name: str) -> None:
     shown = (values * factor)[np.ix_(*orders)].T
     mesh = axis.pcolormesh(x, y, np.ma.masked_invalid(shown), shading="nearest", cmap="viridis", rasterized=True)
     figure.colorbar(mesh, ax=axis, label=unit if unit not in NO_UNIT else "")
-    missing = np.isnan(shown) & study.done.reshape(study.shape)[np.ix_(*orders)].T
-    if missing.any():
-        rows, columns = np.nonzero(missing)
-        axis.plot(x[columns], y[rows], "x", color=COLOURS[1], label="failed")
+    lost = np.isnan(values) & study.done.reshape(study.shape)
+    if lost.any():
+        rows, columns = np.nonzero(lost[np.ix_(*orders)].T)
+        axis.plot(x[columns], y[rows], "x", color=COLOURS[1], label=_missing_words(study, lost.ravel()))
         axis.legend()
     axis.grid(visible=False)
     for ticks, row, places in ((axis.set_xticks, levels[0], x), (axis.set_yticks, levels[1], y)):

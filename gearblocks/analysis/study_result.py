@@ -74,8 +74,16 @@ class Study(metaclass=Tidy):
         """Points that have values, but whose energy does not balance."""
         return self._named(failed=False)
 
+    @property
+    def failed(self) -> NDArray[np.bool_]:
+        """Which points failed, shape (points,)."""
+        found = np.zeros(len(self.points), dtype=np.bool_)
+        found[[*self.messages]] = True
+        return found & np.isnan(self.values).all(axis=1)
+
     def _named(self, *, failed: bool) -> tuple[Failure, ...]:
-        rows = [i for i in sorted(self.messages) if np.isnan(self.values[i]).all() == failed]
+        lost = self.failed
+        rows = [i for i in sorted(self.messages) if lost[i] == failed]
         return tuple(
             Failure(dict(zip(self.paths, self.points[i].tolist(), strict=True)), self.messages[i]) for i in rows
         )
@@ -110,7 +118,10 @@ class Study(metaclass=Tidy):
             found = self[name]
             known = found[np.isfinite(found)]
             span = f"{known.min():.6g} .. {known.max():.6g}" if known.size else "no value"
-            rows.append((name, f"{span}{'' if unit in ('', '1') else ' ' + unit}"))
+            each = found.reshape(len(self.points), -1)
+            none = int((np.isnan(each).all(axis=1) & self.done & ~self.failed).sum()) if known.size else 0
+            said = f", none at {none} of {len(self.points)} points" if none else ""
+            rows.append((name, f"{span}{'' if unit in ('', '1') else ' ' + unit}{said}"))
         return rows
 
     def _notes(self) -> list[str]:
@@ -145,7 +156,7 @@ class Study(metaclass=Tidy):
         rows = range(n) if n <= 2 * _ENDS + 1 else [*range(_ENDS), None, *range(n - _ENDS, n)]
         shown: list[list[str]] = []
         for name, unit, values in columns:
-            cells = ["..." if i is None else _cell(values[i], bool(self.done[i])) for i in rows]
+            cells = ["..." if i is None else _cell(values[i], bool(self.done[i]), bool(self.failed[i])) for i in rows]
             cells = [name, "" if unit in ("", "1") else unit, *cells]
             width = max(map(len, cells))
             if shown and sum(len(column[0]) + 2 for column in shown) + width > _WIDE:
@@ -247,7 +258,7 @@ class Study(metaclass=Tidy):
 
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
         """Figure of the quantities (default all), one panel each: lines over one dimension, colours over two, cases over each
-        value that varies in them; points that failed are crosses. Saved to `path` where given. Raises UnknownNameError,
+        value that varies in them; points without a value are crosses. Saved to `path` where given. Raises UnknownNameError,
         ParameterError for more dimensions."""
         from gearblocks.analysis.study_pictures import picture
 
@@ -278,9 +289,9 @@ def _restored(data: xarray.Dataset) -> Study:
     )  # fmt: skip
 
 
-def _cell(value: float, done: bool) -> str:
-    """A value in a printed table."""
-    return f"{value:.6g}" if np.isfinite(value) else "failed" if done else "not done"
+def _cell(value: float, done: bool, failed: bool) -> str:
+    """A value in a printed table; none where a run has no such value, as a time of an event that did not come."""
+    return f"{value:.6g}" if np.isfinite(value) else "not done" if not done else "failed" if failed else "none"
 
 
 def _words(point: Mapping[str, float]) -> str:

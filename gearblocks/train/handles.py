@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Protocol, final
 
-from gearblocks.errors import UnknownAttributeError, did_you_mean
+from gearblocks.errors import ModelError, UnknownAttributeError, did_you_mean
 from gearblocks.language.block import Block
 
 
@@ -109,3 +109,27 @@ def lost_flanges(part: Handle, links: Iterable[Iterable[tuple[str, str]]]) -> It
     ends, has = {end for link in links for end in link}, part.flanges
     for flange in sorted(flange for name, flange in ends if name == part._name and flange not in has):
         yield f"the new '{part._name}' has no flange '{flange}', which is connected; it has {', '.join(has) or 'none'}"
+
+
+def end_of(owner: Any, flange: Any) -> tuple[str, str]:
+    """Part and name of a flange of a drivetrain. Raises ModelError for anything else."""
+    if isinstance(flange, Handle):
+        raise ModelError(f"connect joins flanges: name one of {flange._name}.{{{', '.join(flange.flanges)}}}")
+    if not isinstance(flange, FlangeHandle) or flange.owner is not owner:
+        raise ModelError(f"{flange!r} is no flange of '{owner.name}': use the handle that add returned")
+    return (flange.part, flange.flange)
+
+
+def main_ends(owner: Any, part: Any) -> list[tuple[str, str]]:
+    """The one or two flanges by which a chain passes through a part of a drivetrain. Raises ModelError."""
+    if not isinstance(part, Handle) or part._owner is not owner:
+        raise ModelError(f"{part!r} is no part of '{owner.name}': use the handle that add returned")
+    if isinstance(part._part, Block):
+        main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
+    else:
+        main = list(part.flanges)
+    if not 1 <= len(main) <= 2:
+        raise ModelError(
+            f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"
+        )
+    return [(part._name, flange) for flange in main]

@@ -14,6 +14,7 @@ from gearblocks.language.block import Block, Declared, Effect
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Field
 from gearblocks.language.heat import heat_port, reads_temperature
+from gearblocks.language.reference import annotation_of
 from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
@@ -71,6 +72,15 @@ def _temperature_problems(block: Block) -> Iterator[str]:
                 yield f"{name} = '{value}' contains gb.temperature: give the block heat=gb.HeatPort(T=...)"
 
 
+def _row_wanted(owner: type[Declared], name: str, value: Any) -> str:
+    """The row of numbers that a field asks for, with the value in it."""
+    declared = re.match(r"tuple\[([^]]*)]", str(annotation_of(owner, name)))
+    entries = declared[1].split(",") if declared else []
+    if len(entries) < 2 or entries[-1].strip() == "...":
+        return f"a row of numbers such as ({value!r:.40},)"
+    return f"a row of {len(entries)} numbers such as ({', '.join([f'{value!r:.20}'] * len(entries))})"
+
+
 def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
     """What is wrong with the fields taken one by one, those of effects included."""
     for name, field in type(owner).fields.items():
@@ -88,7 +98,7 @@ def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
             if field.default is not None and field.belongs_to is None:
                 yield f"{prefix}{name} = None ({field.words}): a value must be given"
         elif field.many and not isinstance(value, tuple):
-            yield f"{prefix}{name} = {value!r:.80} must be a row of numbers such as ({value!r:.40},)"
+            yield f"{prefix}{name} = {value!r:.80} must be {_row_wanted(type(owner), name, value)}: {field.words}"
         elif field.many:
             yield from filter(None, (_problem(f"{prefix}{name}[{i}]", v, field.entry(i)) for i, v in enumerate(value)))
         elif not (isinstance(value, str) and value in (field.default, "angle")):  # the effect itself judges "angle"

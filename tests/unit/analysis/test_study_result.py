@@ -129,6 +129,7 @@ def test_pictures_have_a_panel_per_quantity(
         assert (tmp_path / "picture.png").stat().st_size > 10_000
     crosses = [line for axis in figures[0].axes for line in axis.lines if line.get_marker() == "x"]
     assert len(crosses[0].get_xdata()) == 2  # type: ignore[arg-type]
+    assert [line.get_label() for line in crosses] == ["failed", "failed", "failed, or none"]
 
 
 def test_a_picture_has_two_dimensions_at_most(clutch_model: gb.Model) -> None:
@@ -211,7 +212,8 @@ def test_a_printed_study_shows_its_first_and_last_points(count: int, rows: int) 
     assert len(table) == rows
     numbers = [line.split() for line in table]
     assert [float(row[0]) for row in (numbers[0], numbers[-1])] == [1.0, 2.0]
-    assert numbers[1][3] == "failed"
+    assert numbers[1][3] == "none"  # the run is there, and another quantity has its value
+    assert f"q1: 1 .. 2, none at 1 of {count} points" in str(found)
     assert (["..."] * 4 in numbers) == (count > 11)
     assert "1 points failed" not in str(found)
     assert repr(found).startswith("<study of")
