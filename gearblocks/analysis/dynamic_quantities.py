@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from gearblocks.analysis.quantity import Quantity, text_of, time_of
 from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats, stroboscopic
 from gearblocks.analysis.span import Span
-from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.units import has_unit, number_in_si
 from gearblocks.model.listing import matches
@@ -226,6 +226,7 @@ class Period(Quantity):
         return float(repeats(run.table(names, times), self.longest, extent)[0] or 0)
 
 
+@by_name_only
 def dynamic_factor(
     component: str, kind: str = "contact", which: str = "peak", *, samples: int | None = None,
     after: float | str | None = None, before: float | str | None = None,
@@ -242,6 +243,7 @@ def dynamic_factor(
     )  # fmt: skip
 
 
+@by_name_only
 def line(
     output: str, frequency: float | str, *, after: float | str | None = None, before: float | str | None = None
 ) -> Line:
@@ -254,6 +256,7 @@ def line(
     return Line(text_of("output", output), number, time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def period(
     section: Section | str | None = None, *, of: str | Sequence[str] = (), longest: int = LONGEST,
     after: float | str | None = None, before: float | str | None = None,

@@ -10,41 +10,30 @@ earlier run (its end).
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.operating_point import OperatingPoint, operating_point
 from gearblocks.analysis.printed_linearization import document
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, SimulationError, UnknownNameError, by_name_only, did_you_mean
-from gearblocks.language.starts import is_rolling
+from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.language.tidy import Tidy
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
-    Start,
-    begin_of,
-    check_start,
     checked,
-    is_static,
     listed,
-    parameter_vector,
     picked_outputs,
     resolve,
-    set_inputs,
-    start_state,
 )  # fmt: skip
-from gearblocks.simulation.equilibrium import static_point
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
-from gearblocks.simulation.rolling import rolled
-from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
-from gearblocks.solver.point import Point, derivative, opened, restarted, state_matrix, steps_of
+from gearblocks.solver.point import Point, derivative, restarted, state_matrix, steps_of
 from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
 
@@ -53,48 +42,12 @@ if TYPE_CHECKING:
 
     from gearblocks.equations.document import Document
 
-OperatingPoint: TypeAlias = Start
 Complex = NDArray[np.complex128]
 
 DENSE = 1000
 """States up to which matrices are full arrays; longer trains stay sparse."""
 
 _SIDES = {-1.0: "coast side", 0.0: "no contact", 1.0: "drive side"}
-
-
-@contextmanager
-def operating_point(
-    model: Model, at: OperatingPoint, t: float | None = None, parameters: Mapping[str, float | str] | None = None,
-    inputs: Mapping[str, InputSource] | None = None,
-) -> Iterator[Point]:  # fmt: skip
-    """The model at an operating point (see above); inputs: their values, else those they start with."""
-    check_start("at", at)
-    program = model.program
-    begin = begin_of(t, at)
-    with model.library.open() as sim:
-        sim.parameters[:] = parameter_vector(model, parameters or {}, at)
-        set_inputs(sim, program, inputs or {})
-        if is_rolling(at):
-            sim.parameters[:] = rolled(model, sim, begin, at)
-        with _named(begin):
-            if is_static(at):
-                point = static_point(sim, program, begin, means=at == "static")
-            else:
-                with opened(sim, program, begin, start_state(program, at)) as point:
-                    if isinstance(at, Trajectory) and at.final_state is not None:
-                        point = point.at(modes=np.array(at.final_state.modes))
-            yield point.at(u=np.array(sim.inputs))
-
-
-@contextmanager
-def _named(t: float) -> Iterator[None]:
-    """A failure of the core as a SimulationError."""
-    try:
-        yield
-    except RuntimeError as error:
-        raise SimulationError(
-            t, "", f"the point cannot be held ({error})", "look at the values of the train"
-        ) from error
 
 
 # -- state matrices ---------------------------------------------------------------------------------------------------

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 
-from gearblocks.analysis.linearization import DENSE, Complex, OperatingPoint, operating_point
+from gearblocks.analysis.linearization import DENSE, Complex
+from gearblocks.analysis.operating_point import OperatingPoint, operating_point
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain

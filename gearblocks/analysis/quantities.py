@@ -19,7 +19,7 @@ from gearblocks.analysis.dynamic_quantities import dynamic_factor, line, period
 from gearblocks.analysis.quantity import Quantity, belongs, known, text_of, time_of
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.span import Span
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.language.units import seconds
 from gearblocks.simulation.needs import Along, Needs, Solution
 
@@ -254,6 +254,7 @@ def _arguments(output: str, after: float | None, before: float | None) -> str:
     return ", ".join(words)
 
 
+@by_name_only
 def peak(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremum:
     """The largest value of an output between the times after and before [s] (default: the whole run), in its unit.
 
@@ -262,37 +263,44 @@ def peak(output: str, *, after: float | str | None = None, before: float | str |
     return Extremum(text_of("output", output), "peak", time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def trough(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremum:
     """The smallest value of an output between the times after and before [s], located as by `peak`."""
     return Extremum(text_of("output", output), "trough", time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def rms(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Integral:
     """Root mean square over time of an output between the times after and before [s], in its unit."""
     return Integral(text_of("output", output), "rms", time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def mean(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Integral:
     """Mean over time of an output between the times after and before [s], in its unit."""
     return Integral(text_of("output", output), "mean", time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def std(output: str, *, after: float | str | None = None, before: float | str | None = None) -> Integral:
     """Standard deviation over time of an output between the times after and before [s], in its unit: the root mean square
     of its distance to the mean."""
     return Integral(text_of("output", output), "std", time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def at(output: str, time: float | str) -> Value:
     """An output at a time [s], in its unit; at an event the value after it."""
     return Value(text_of("output", output), seconds("time", time))
 
 
+@by_name_only
 def last(output: str) -> Value:
     """An output at the end of the run, in its unit."""
     return Value(text_of("output", output))
 
 
+@by_name_only
 def count(
     component: str | None = None, kind: str | None = None, *, after: float | str | None = None,
     before: float | str | None = None,
@@ -305,6 +313,7 @@ def count(
     return Count(component, kind, time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def event_time(
     component: str | None = None, kind: str | None = None, *, number: int = 0, after: float | str | None = None,
     before: float | str | None = None,
@@ -315,11 +324,13 @@ def event_time(
     return EventTime(component, kind, number, time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def energy_lost(component: str, *, after: float | str | None = None, before: float | str | None = None) -> EnergyLost:
     """Energy [J] that a component (with its parts, or a pattern) dissipates between the times after and before [s]."""
     return EnergyLost(text_of("component", component), time_of("after", after), time_of("before", before))
 
 
+@by_name_only
 def points(output: str, section: Section | None = None, *, keep: int | None = None) -> SectionPoints:
     """An output at the points of a section (gb.stroboscopic("speed")), an array of shape (points,) in its unit.
 

@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, final
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.language.units import parse_unit
 from gearblocks.model.listing import matches
 from gearblocks.running import build
 from gearblocks.simulation.arguments import parameter_vector, resolve
@@ -87,6 +89,7 @@ def section_points(
     if transient < 0 or keep < 1:
         raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
     vector = parameter_vector(model, parameters or {}, None)
+    check_frequency(section, model.program)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
     relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in RELATIVE]
     patterns = relative if of is None else [of] if isinstance(of, str) else list(of)
@@ -102,6 +105,18 @@ def section_points(
     extent[extent == 0.0] = 1.0
     values: Array = table[np.searchsorted(run.t, t)].astype(np.float64)
     return Points(t.astype(np.float64), names, values, extent, run)
+
+
+def check_frequency(section: Section, program: Program) -> None:
+    """Raises ParameterError where the parameter of a section measures something else than a frequency; of one that nothing
+    is said about it is taken to be in rad/s."""
+    names = {p.path: i for i, p in enumerate(program.parameters)}
+    told = program.parameters[resolve(section.frequency, names, "parameter")]
+    if told.unit not in ("", "1") and not parse_unit(told.unit).measures(parse_unit("rad/s")):
+        raise ParameterError(
+            f"section: '{section.frequency}' is no frequency, it is in {told.unit}; name a Parameter in rad/s, rpm or Hz that "
+            "drives the train"
+        )
 
 
 def section_period(section: Section, parameters: Mapping[str, float]) -> float:

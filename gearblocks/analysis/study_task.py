@@ -16,7 +16,7 @@ from gearblocks.analysis.designs import Design
 from gearblocks.analysis.lane_measuring import fits_lanes
 from gearblocks.analysis.measuring import function_name, widths_of
 from gearblocks.analysis.quantity import Quantity
-from gearblocks.analysis.sections import Section
+from gearblocks.analysis.sections import Section, check_frequency
 from gearblocks.analysis.study_point import Axis, Measure, Task, Window, point_vector, points_in_si, span_of
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
@@ -90,6 +90,8 @@ def task_of(
     with model.library.open() as sim:
         set_inputs(sim, program, task.inputs)
         check_jacobian(options, program, sim.has_jacobian)
+    if s.section is not None:
+        check_frequency(s.section, program)
     span = span_of(task, point_vector(task, points[0]))
     units = tuple(m.unit(span) if isinstance(m, Quantity) else "" for m in measures)
     widths = widths_of(task, points)

@@ -122,4 +122,4 @@ def teeth_problems(block: Any) -> Iterator[str]:
     if len(teeth) != 2 or any(int(z) != z or z <= 0 for z in teeth):
         yield f"teeth = {teeth!r} must be two whole numbers > 0"
     if not isinstance(block.external, bool):
-        yield f"external = {block.external!r} must be True or False"
+        yield f"external = {block.external!r} must be True (outside on both: they turn against each other) or False"

@@ -217,7 +217,8 @@ class Equations:
             raise ParameterError(f"form = {name!r} must be 'angle' or 'relative'")
         if not found:
             raise ParameterError(
-                f"'{self.name}' has no relative form: its laws read absolute angles, or its deflections do not tell its motion"
+                f"'{self.name}' has no relative form: its laws read absolute angles, or its deflections do not tell its "
+                "motion; take form('angle'), or name its coordinates by rig.coordinate(...)"
             )
         return Document(f"'{self.name}', {name} form", tuple(found), Nomenclature(()))
 

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from typing import Any
 
 from gearblocks.errors import GearblocksError, ParameterError
 from gearblocks.language.numpy_calls import numpy_call
+from gearblocks.language.refusals import NoWholeNumbers
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "Abs", "sign",
@@ -34,7 +35,7 @@ class ConditionError(GearblocksError, TypeError):
         )
 
 
-class Expr:
+class Expr(NoWholeNumbers):
     """One node: an operation and its arguments, or a leaf. Immutable; arithmetic builds new nodes.
 
     op: "number", "time", "parameter", "input", "table", "table2" (of two quantities), "sense", "local" (a block's own
@@ -389,8 +390,7 @@ def from_sympy(x: Any) -> Expr:
         )
     name = type(x).__name__
     if name == "Piecewise":
-        flat: Iterable[Any] = (part for pair in x.args for part in pair)
-        return Expr("Piecewise", *(from_sympy(a) for a in flat))
+        return Expr("Piecewise", *(from_sympy(part) for pair in x.args for part in pair))
     names = {
         "Add": "+", "Mul": "*", "Pow": "**", "StrictLessThan": "<", "LessThan": "<=", "StrictGreaterThan": ">",
         "GreaterThan": ">=",

@@ -15,9 +15,10 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.errors import GearblocksError, ParameterError
+from gearblocks.errors import GearblocksError, ParameterError, by_name_only
 from gearblocks.language.expression import FUNCTIONS, Expr, as_expr, evaluate
 from gearblocks.language.numpy_calls import numpy_call
+from gearblocks.language.refusals import NoWholeNumbers
 from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import check_unit, in_unit, parse_unit
 
@@ -48,7 +49,7 @@ _NAME = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*")
 Signal: TypeAlias = "float | str | Parameter | Input | Table | Expr | SympyExpression | PintQuantity"
 
 
-class _Leaf:
+class _Leaf(NoWholeNumbers):
     """Arithmetic of a leaf is that of its expression."""
 
     __slots__ = ()
@@ -373,3 +374,9 @@ def number_or_zero(x: Any) -> float:
     """The same, and 0 where it has none."""
     value = constant_value(x)
     return 0.0 if math.isnan(value) else value
+
+
+# misspelt and missing names are told with those that there are
+Parameter.__init__ = by_name_only(Parameter.__init__)  # type: ignore[method-assign]
+Input.__init__ = by_name_only(Input.__init__)  # type: ignore[method-assign]
+Table.__init__ = by_name_only(Table.__init__)  # type: ignore[method-assign]

@@ -61,7 +61,11 @@ class Listing(Sequence[Listed]):
 
     def _repr_html_(self) -> str:
         rows = [(x.name, _shown(x.value), "" if x.unit == "1" else x.unit, x.words) for x in self.entries]
-        return small_table(self.what, rows, head=("name", "value", "unit", "meaning"), numbers=(1,))
+        if any(value for _, value, _, _ in rows):
+            return small_table(self.what, rows, head=("name", "value", "unit", "meaning"), numbers=(1,))
+        return small_table(
+            self.what, [(x, unit, words) for x, _, unit, words in rows], head=("name", "unit", "meaning")
+        )
 
     def __repr__(self) -> str:
         return self.table(SHOWN)

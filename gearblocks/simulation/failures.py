@@ -100,7 +100,10 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     Code.ERR_STEP: (
         "the step size fell below rounding", "the train may be stiff there or have a discontinuity that no switch locates"
     ),
-    Code.ERR_NAN_RATE: ("a derivative became NaN or infinite", "look at the law and the values of this component"),
+    Code.ERR_NAN_RATE: (
+        "a derivative became NaN or infinite",
+        "look at the values of this component, and in the laws of what acts on it for a division by 0 or a root of less"
+    ),
     Code.ERR_NAN_INPUT: ("the input became NaN or infinite", "the input must give a finite number at every time"),
     Code.ERR_NAN_START: ("a start value or parameter is NaN or infinite", "give it a finite number"),
     Code.ERR_CHATTER: (

@@ -126,8 +126,10 @@ def _too_weak(point: Point, i: int, constraints: ConstraintsAtPoint) -> Simulati
     force, limit = abs(constraints.forces[i]), abs(constraints.bounds[i, 1 if constraints.forces[i] > 0 else 0])
     if point.sim.constraints().constraints[i].kind is ConstraintKind.LOSS:
         limit = max(0.0, force - constraints.violation[i])
+    units = {q.name: q.unit for q in point.program.outputs}
+    unit = next((f" {units[x]}" for x in (f"{component}.torque", f"{component}.force") if x in units), "")
     return SimulationError(
         point.t, component,
-        f"there is no static equilibrium: it would have to carry {force:.6g} to stay stuck, and holds {limit:.6g}",
+        f"there is no static equilibrium: it would have to carry {force:.6g}{unit} to stay stuck, and holds {limit:.6g}{unit}",
         "raise its capacity, lower the load, or let it start with a slip",
     )  # fmt: skip

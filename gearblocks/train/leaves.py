@@ -40,7 +40,7 @@ def _expr(e: Expr, change: Change) -> Expr:
     return e if all(a is b for a, b in zip(args, e.args, strict=True)) else Expr(e.op, *args)
 
 
-def with_parameter(value: Any, name: str, number: float | str) -> Any:
+def with_parameter(value: Any, name: str, number: Any) -> Any:
     """A block, effect, expression or row of them where the Parameter of a name has another value, in its unit or by text."""
 
     def changed(leaf: Any) -> Any:

@@ -15,7 +15,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.sections import Section, section_period
+from gearblocks.analysis.sections import Section, check_frequency, section_period
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.language.starts import is_rolling
 from gearblocks.simulation.arguments import is_static, method_options, parameter_vector, set_inputs, start_state
@@ -288,5 +288,6 @@ def strobe(
             sim.parameters[:] = vector
             set_inputs(sim, model.program, {})
             vector = rolled(model, sim, 0.0, initial)
+    check_frequency(section, model.program)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
     return Strobe(model, vector, period, rtol, np.ones(model.program.n))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
-from gearblocks.analysis.linearization import operating_point
+from gearblocks.analysis.operating_point import operating_point
 from gearblocks.solver.point import differenced_state_matrix, state_matrix
 from gearblocks.train.handles import FlangeHandle
 

@@ -42,7 +42,7 @@ def test_a_shaft_that_a_brake_holds_by_its_far_end_turns_its_near_end():
 
 
 def test_a_brake_that_is_too_weak_is_named_with_what_it_would_have_to_carry():
-    with pytest.raises(gb.SimulationError, match=r"'brake'.*would have to carry 10 to stay stuck, and holds 5"):
+    with pytest.raises(gb.SimulationError, match=r"'brake'.*would have to carry 10 N m to stay stuck, and holds 5 N m"):
         gb.simulate(_held_shaft(5.0), t_end=1.0, initial="static")
 
 
