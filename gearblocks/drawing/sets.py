@@ -7,10 +7,11 @@ the axis where the way is free, else below it; rings at the top.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import TypeAlias, final
 
 from gearblocks.drawing.planet_sets import CARRIER, Gearing
-from gearblocks.drawing.shapes import FILLED, PAPER, Circle, Shape, Words, box, hatch, line
+from gearblocks.drawing.shapes import FILLED, PAPER, Circle, Shape, Stroke, Words, box, hatch, line
 from gearblocks.drawing.symbols import Symbol
 
 _SLOT, _RISE, _RADIUS, _ROW, _TEETH = 22.0, 26.0, 13.0, 12.0, 2.5
@@ -28,6 +29,7 @@ def stick_scheme(gearing: Gearing, ports: Sequence[str], sides: Sequence[int], g
     sticks.carrier()
     for name in gearing.rings:
         sticks.ring(name)
+    sticks.counts()
     heights = sticks.heights
     up = 3 - min(*heights.values(), sticks.top) + (8 if any(name in grounded for name in gearing.rings) else 0)
     down = max(*heights.values(), 0.0) + (10 if grounded else 4)
@@ -72,8 +74,21 @@ class _Sticks:
         for planet, y in enumerate(self.pins):
             at = self.on_pin(planet)
             self.shapes.append(line((min(at) - 5, y), (max(at) + 5, y)))
-            if self.gearing.counts[planet] > 1:
-                self.shapes.append(Words(min(at) - 13, y + 3, f"{self.gearing.counts[planet]}×", 8, grey=True))
+
+    def counts(self) -> None:
+        """How many there are of each planet, beside its pin where no line is in the way."""
+        strokes = [shape for shape in self.shapes if isinstance(shape, Stroke)]
+        for planet, y in enumerate(self.pins):
+            if self.gearing.counts[planet] < 2:
+                continue
+            at, text = self.on_pin(planet), f"{self.gearing.counts[planet]}×"
+            half = 3.0 * len(text)
+            places = [(x, y + dy) for dy in (3.0, -4.0, 10.0) for x in (min(at) - 7 - half, max(at) + 7 + half)]
+            free = (
+                p for p in places if not any(_crosses(s, p[0] - half, p[1] - 7, p[0] + half, p[1] + 1) for s in strokes)
+            )
+            x, base = next(free, places[0])
+            self.shapes.append(Words(x, base, text, 8, grey=True))
 
     def sun(self, name: str) -> None:
         """A wheel on the axis below its planets."""
@@ -126,6 +141,14 @@ class _Sticks:
             return
         left = self.side[name] < 0
         self.shapes.append(line((-self.half if left else low, y), (high if left else self.half, y)))
+
+
+def _crosses(stroke: Stroke, left: float, top: float, right: float, bottom: float) -> bool:
+    """Whether a stroke of level and upright lines touches a rectangle."""
+    for (x0, y0), (x1, y1) in pairwise(stroke.points):
+        if min(x0, x1) <= right and max(x0, x1) >= left and min(y0, y1) <= bottom and max(y0, y1) >= top:
+            return True
+    return False
 
 
 def _slots(gearing: Gearing) -> list[list[Mesh]]:

@@ -1,7 +1,7 @@
 """Drawings: no two boxes overlap, no line crosses a box, every block is there; and what each of them shows."""
 
-from collections.abc import Iterator
-from itertools import combinations, pairwise
+from collections.abc import Iterable, Iterator
+from itertools import combinations, pairwise, product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -13,8 +13,10 @@ from gearblocks import blocks
 from gearblocks.cli import scripts
 from gearblocks.drawing.drawing import drawing_of
 from gearblocks.drawing.layout import WIDTH, Box, Layout, Wire, layout
+from gearblocks.drawing.planet_sets import CARRIER, Gearing
 from gearblocks.drawing.scheme import scheme_of
-from gearblocks.drawing.shapes import Stroke
+from gearblocks.drawing.sets import stick_scheme
+from gearblocks.drawing.shapes import Shape, Stroke, Words
 from gearblocks.train.graph import Tree, flatten
 from tests.random.description import build
 from tests.random.families import FAMILIES, draw
@@ -54,6 +56,28 @@ def _check_geometry(found: Layout) -> None:
     assert [(a, b) for a in stretches for b in found.boxes if _overlap(a, b)] == []
     assert [a for a in (*found.boxes, *stretches) if not _inside(a, found)] == []
     _check_ends(found)
+    _check_words(found)
+
+
+def _check_words(found: Layout) -> None:
+    """No line of a stick scheme strikes through the numbers of its planets."""
+    for figure in found.figures:
+        _check_numbers(figure.shapes)
+
+
+def _check_numbers(shapes: Iterable[Shape]) -> int:
+    """How many numbers of planets there are; no line touches one."""
+    numbers = [s for s in shapes if isinstance(s, Words) and s.text.endswith("×")]
+    for words in numbers:
+        box = Box(words.x - 3.0 * len(words.text), words.y - 6.0, 6.0 * len(words.text), 6.0, -1)
+        strokes = (s for s in shapes if isinstance(s, Stroke))
+        through = [(a, b) for s in strokes for a, b in pairwise(s.points) if _touches(box, _stretch(a, b))]
+        assert through == [], f"{words.text} is struck through"
+    return len(numbers)
+
+
+def _stretch(a: tuple[float, float], b: tuple[float, float]) -> Box:
+    return Box(min(a[0], b[0]), min(a[1], b[1]), abs(a[0] - b[0]), abs(a[1] - b[1]), -1)
 
 
 def _check_ends(found: Layout) -> None:
@@ -97,6 +121,22 @@ def _check(rig: gb.Drivetrain, **options: Any) -> None:
 @pytest.mark.few(4)
 def test_drawings_of_shipped_models_fit_a_page_and_in_them_no_box_overlaps_a_box_or_a_line(model: str) -> None:
     _check(scripts.make(model))
+
+
+SETS = {
+    "one planet": Gearing(("sun",), ("ring",), (4,), ((0, "sun"), (0, "ring"))),
+    "two suns": Gearing(("one", "two"), (), (12,), ((0, "one"), (0, "two"))),
+    "double planets": Gearing(("sun",), ("ring",), (3, 3), ((0, "sun"), (0, 1), (1, "ring"))),
+}
+
+
+@pytest.mark.parametrize("which", SETS)
+def test_numbers_of_planets_stand_where_no_line_is_whatever_side_the_ports_leave_to(which: str) -> None:
+    gearing = SETS[which]
+    ports = (*gearing.suns, *gearing.rings, CARRIER)
+    for sides, held in product(product((-1, 1), repeat=len(ports)), (None, *ports)):
+        found = stick_scheme(gearing, ports, sides, () if held is None else (held,))
+        assert _check_numbers(found.shapes) == len(gearing.counts)
 
 
 @pytest.mark.parametrize(("family", "seed"), RANDOM)
