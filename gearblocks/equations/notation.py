@@ -56,7 +56,7 @@ class Reader:
 
     def read(self, expr: Any) -> Node:
         """The notation of an expression or a relation."""
-        expr = sp.sympify(expr)
+        expr = _by_pi(sp.sympify(expr))
         if expr.is_Symbol:
             return Sym(self.name(expr))
         if expr.is_Relational or expr.func in (sp.And, sp.Or, sp.Not):
@@ -247,6 +247,26 @@ _READERS: dict[Any, Callable[[Reader, Any], Node]] = {
     type(sp.oo): lambda _reader, _expr: Sym(Name("∞")),
     type(sp.E): lambda _reader, _expr: Sym(Name("e")),
 }
+
+
+def _by_pi(expr: Any) -> Any:
+    """The expression, a factor of many digits written as a fraction of pi, or over pi, where it is one: w t/(2 π)."""
+    if not (expr.is_Mul or expr.is_Float):
+        return expr
+    factor, rest = expr.as_coeff_Mul()
+    if not factor.is_Float or len(f"{float(factor):.17g}") < _MANY_DIGITS:
+        return expr
+    value = float(factor)
+    for power in (1, -1):
+        turns = value / math.pi**power
+        ratio = Exact(turns).limit_denominator(_DENOMINATOR)
+        if ratio and abs(float(ratio) - turns) <= 4e-16 * abs(turns):
+            return sp.Rational(ratio.numerator, ratio.denominator) * sp.pi**power * rest
+    return expr
+
+
+_MANY_DIGITS, _DENOMINATOR = 14, 360
+"""Of a number that may be a fraction of pi; the largest denominator of one."""
 
 
 def _sign(expr: Any) -> tuple[bool, Any]:
