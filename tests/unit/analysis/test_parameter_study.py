@@ -270,7 +270,7 @@ class _Losing(Executor):
         ({"quantity": gb.last("lod.w")}, "did you mean 'load.w'"),
         ({"t_end": None}, "give t_end"),
         ({"t_end": -1.0}, "must be later"),
-        ({"section": gb.stroboscopic("gain"), "t_end": None}, "must be > 0"),
+        ({"section": gb.stroboscopic("gain"), "t_end": None}, "is no frequency, it is in N m s/rad"),
         ({"section": 3, "t_end": None}, "section = 3"),
         ({"section": gb.stroboscopic("gain"), "t_end": None, "keep": 0}, "keep = 0"),
         ({"method": "euler"}, "method = 'euler'"),
