@@ -12,6 +12,7 @@ from typing import Any
 import sympy as sp
 
 from gearblocks.laws.free_symbols import symbols_in
+from gearblocks.laws.functions import Where
 
 
 @lru_cache(maxsize=10_000)
@@ -31,6 +32,8 @@ def derivative(expr: Any, x: Any) -> Any:
     if expr.is_Pow:
         by_base, by_exponent = derivative(expr.base, x), derivative(expr.exp, x)
         return expr * (by_exponent * sp.log(expr.base) + by_base * expr.exp / expr.base)
+    if isinstance(expr, Where):
+        return Where(expr.args[0], derivative(expr.args[1], x))
     if type(expr)._eval_derivative is sp.Function._eval_derivative:
         slopes = [derivative(a, x) for a in expr.args]
         return sp.Add(*(expr.fdiff(i) * s for i, s in enumerate(slopes, 1) if not s.is_zero))

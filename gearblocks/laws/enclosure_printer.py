@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from gearblocks.laws.free_symbols import symbols_in
-from gearblocks.laws.functions import EllipseLead, Table2At, TableAt
+from gearblocks.laws.functions import EllipseLead, Table2At, TableAt, Where
 from gearblocks.laws.printer import c_text
 
 _FUNCTIONS = {
@@ -83,6 +83,8 @@ class _Printer:
             return self._table(e)
         if isinstance(e, Table2At):
             return self._table2(e)
+        if isinstance(e, Where) and not self.moves(e.args[0]):
+            return self._call("gb_enclosed_where", self.number(e.args[0]), self.enclosed(e.args[1]))
         if isinstance(e, EllipseLead):
             return self.enclosed(e.written_out())
         if isinstance(e, sp.acos):

@@ -103,6 +103,24 @@ class SignedPower(sp.Function):  # type: ignore[misc]  # sympy carries no types
         return forms.get(int(order), n * (n - 1) * x * size ** (n - 3))
 
 
+class Where(sp.Function):  # type: ignore[misc]  # sympy carries no types
+    """x where the indicator m is 1, and 0 where it is 0, even if x has no value there: Where(m, x)."""
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, m: Any, x: Any) -> Any:
+        """0 of 0; the one or the other where m is a number."""
+        if m.is_number and m > sp.Rational(1, 2):
+            return x
+        return sp.Integer(0) if x == 0 or m.is_number else None
+
+    def _eval_derivative(self, s: Any) -> Any:
+        """That of x, where m is 1."""
+        m, x = self.args
+        return Where(m, sp.diff(x, s))
+
+
 class EllipseLead(sp.Function):  # type: ignore[misc]  # sympy carries no types
     """2 atan(e sin x/(1 - e cos x)): by how much the mate of an ellipse that turns about its focus runs ahead."""
 

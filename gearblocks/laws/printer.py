@@ -80,6 +80,9 @@ class _CPrinter(C99CodePrinter):  # type: ignore[misc]  # sympy carries no types
         ]
         return f"gb_table2_value(&{name}, {', '.join([*where, *at])}, {int(by_x)}, {int(by_y)})"
 
+    def _print_Where(self, expr: Any) -> str:
+        return f"gb_where({self._print(expr.args[0])}, {self._print(expr.args[1])})"
+
     def _print_EllipseLead(self, expr: Any) -> str:
         return str(self._print(expr.written_out()))
 

@@ -15,7 +15,7 @@ import sympy as sp
 from gearblocks.errors import GearblocksError
 from gearblocks.language.contributions import Switch
 from gearblocks.language.signals import Table
-from gearblocks.laws.functions import ContactSide, DeadZone, Table2At, TableAt
+from gearblocks.laws.functions import ContactSide, DeadZone, InverseInvolute, Table2At, TableAt, Where
 from gearblocks.laws.switched_constraints import ConstraintLaw
 from gearblocks.laws.symbols import CONSTANT, MOVING, Pool
 
@@ -23,6 +23,13 @@ _OUT_OF_REACH = -1e300
 
 _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
 """floor(x) as a periodic step table over x: its segments are numbered by the whole part."""
+
+
+_IN_A_ROW = 16
+"""Cases that are nested one inside the other; halves of longer rows stand side by side, or sympy would go too deep."""
+
+_WITHOUT_VALUES = (sp.log, sp.exp, sp.tan, sp.asin, sp.acos, sp.acosh, sp.atanh, sp.sinh, sp.cosh, InverseInvolute)
+"""Functions that have no value for some arguments, or one that is no longer a number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +140,10 @@ class Freezer:
             result = a[0]
             for x in a[1:]:
                 above = self._indicator(x - result) if isinstance(e, sp.Max) else 1 - self._indicator(x - result)
-                result = result + above * (x - result)
+                if self._may_have_no_value(x) or self._may_have_no_value(result):
+                    result = self._where(1 - above, result) + self._where(above, x)
+                else:
+                    result = result + above * (x - result)
             return result
         if isinstance(e, (sp.Ne, sp.Eq)):
             raise GearblocksError(f"the condition '{e}' asks for equality, which a run never meets exactly; use < or >")
@@ -149,6 +159,19 @@ class Freezer:
             return a[0] * a[1] + (1 - a[0]) * a[2]
         return e.func(*a)
 
+    def _where(self, indicator: Any, value: Any) -> Any:
+        """The value where the indicator is 1, and 0 where it is 0."""
+        return Where(indicator, value) if self._may_have_no_value(value) else indicator * value
+
+    def _may_have_no_value(self, expr: Any) -> bool:
+        """Whether an expression of what moves may be infinite or NaN: 1/x, roots, logarithms and their like."""
+        return any(
+            self.pool.level(x) != CONSTANT
+            for node in sp.sympify(expr).atoms(sp.Pow, *_WITHOUT_VALUES)
+            for x in (node.base if isinstance(node, sp.Pow) else node.args[0],)
+            if not (isinstance(node, sp.Pow) and node.exp.is_Integer and node.exp > 0)
+        )
+
     def _piecewise(self, e: Any) -> Any:
         """Nested selection by indicators m; the last condition must be True, else the value outside is NaN.
 
@@ -160,7 +183,18 @@ class Freezer:
             raise GearblocksError(f"'{e}' has no value where no condition holds: end it with (value, True)")
         elsewhere = self.freeze(elsewhere)
         frozen = [(self.freeze(condition), self.freeze(value)) for value, condition in reversed(cases)]
-        return _selected(frozen[::-1], elsewhere)
+        return self._selected(frozen[::-1], elsewhere)
+
+    def _selected(self, cases: Sequence[tuple[Any, Any]], elsewhere: Any) -> Any:
+        """The value of the first case whose indicator is 1."""
+        if len(cases) > _IN_A_ROW:
+            half = len(cases) // 2
+            none = sp.Mul(*((1 - chosen) ** 2 for chosen, _ in cases[:half]))
+            rest = self._selected(cases[half:], elsewhere)
+            return self._selected(cases[:half], sp.Integer(0)) + self._where(none, rest)
+        for chosen, value in reversed(cases):
+            elsewhere = self._where(chosen, value) + self._where((1 - chosen) ** 2, elsewhere)
+        return elsewhere
 
     def _indicator(self, surface: Any, name: str | None = None) -> Any:
         """1 where surface >= 0, else 0, as the mode symbol of a switch (or a plain condition on constants)."""
@@ -265,18 +299,3 @@ class Freezer:
         switch = EventFunction(name, surface, self.pool.symbol("mode", mode, f"mode{mode.number}"), level, table=table)
         self.switches.append(switch)
         return switch
-
-
-_IN_A_ROW = 16
-"""Cases that are nested one inside the other; halves of longer rows stand side by side, or sympy would go too deep."""
-
-
-def _selected(cases: Sequence[tuple[Any, Any]], elsewhere: Any) -> Any:
-    """The value of the first case whose indicator is 1."""
-    if len(cases) > _IN_A_ROW:
-        half = len(cases) // 2
-        none = sp.Mul(*((1 - chosen) ** 2 for chosen, _ in cases[:half]))
-        return _selected(cases[:half], sp.Integer(0)) + none * _selected(cases[half:], elsewhere)
-    for chosen, value in reversed(cases):
-        elsewhere = chosen * value + (1 - chosen) ** 2 * elsewhere
-    return elsewhere

@@ -18,7 +18,7 @@ import numpy as np
 import sympy as sp
 
 from gearblocks.laws.free_symbols import symbols_in
-from gearblocks.laws.functions import Table2At, TableAt
+from gearblocks.laws.functions import Table2At, TableAt, Where
 from gearblocks.laws.law import Law
 
 _MOST = 4096  # combinations of modes that are asked
@@ -154,6 +154,8 @@ def _number(expr: Any, known: dict[Any, Any]) -> Any:
         value = np.float64(parts[0]) ** parts[1]
     elif type(expr) in _FUNCTIONS:
         value = _FUNCTIONS[type(expr)](*parts)
+    elif isinstance(expr, Where):
+        value = np.where(np.greater(parts[0], 0.5), parts[1], 0.0)
     else:
         points, back = np.unique(
             np.stack(np.broadcast_arrays(*parts), -1).reshape(-1, len(parts)), axis=0, return_inverse=True

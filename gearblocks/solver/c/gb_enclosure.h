@@ -291,6 +291,11 @@ static inline gb_enclosure gb_enclosed_heaviside(gb_enclosure x) {
     return x.lo >= 0.0 ? gb_enclosed_number(1.0) : (x.hi < 0.0 ? gb_enclosed_number(0.0) : either);
 }
 
+/* x where m is 1, else 0. */
+static inline gb_enclosure gb_enclosed_where(double m, gb_enclosure x) {
+    return m > 0.5 ? x : gb_enclosed_number(0.0);
+}
+
 static inline gb_enclosure gb_enclosed_floor(gb_enclosure x) {
     const gb_enclosure step = {floor(x.lo), floor(x.hi), -HUGE_VAL, HUGE_VAL};
     return step.lo == step.hi ? gb_enclosed_number(step.lo) : step;

@@ -85,6 +85,10 @@ GB_LANE_INLINE gb_lane gb_lane_unit_step(gb_lane x) {
     return gb_select(x >= 0.0, gb_all(1.0), gb_all(0.0));
 }
 
+GB_LANE_INLINE gb_lane gb_lane_where(gb_lane m, gb_lane x) {
+    return gb_select(m > 0.5, x, gb_all(0.0));
+}
+
 GB_LANE_EACH(sqrt)
 GB_LANE_EACH(exp)
 GB_LANE_EACH(log)
@@ -115,6 +119,7 @@ GB_LANE_EACH_OF_TWO(atan2)
 
 #define fabs(x) gb_lane_fabs(gb_all(x))
 #define gb_unit_step(x) gb_lane_unit_step(gb_all(x))
+#define gb_where(m, x) gb_lane_where(gb_all(m), gb_all(x))
 #define sqrt(x) gb_lane_sqrt(gb_all(x))
 #define exp(x) gb_lane_exp(gb_all(x))
 #define log(x) gb_lane_log(gb_all(x))

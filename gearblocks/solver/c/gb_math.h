@@ -18,6 +18,11 @@ GB_INLINE double gb_unit_step(double x) {
     return x >= 0.0 ? 1.0 : 0.0;
 }
 
+/* x where m is 1, else 0: also where x is infinite or NaN, which 0 times x would be. */
+GB_INLINE double gb_where(double m, double x) {
+    return m > 0.5 ? x : 0.0;
+}
+
 /* x - floor(x), below 1 even where a tiny negative x would round up to it. */
 GB_INLINE double gb_fraction(double x) {
     const double rest = x - floor(x);
