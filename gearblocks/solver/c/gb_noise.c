@@ -117,11 +117,11 @@ static int is_raised(int i, unsigned n) {
     return (0x6996 >> (bits & 15u) & 1) == 0;
 }
 
-/* Rates at y0, time moved by its last bits: what its rounding makes of them. Inputs stay. */
-static void rates_after(gb_sim *sim, const gb_lanes *at, double *rate) {
+/* Rates at y0, time moved by this: by its last bits what its rounding makes of them. Inputs stay. */
+static void rates_after(gb_sim *sim, const gb_lanes *at, double moved, double *rate) {
     gb_lanes *own = &sim->sliding.lanes;
     for (int l = 0; l < GB_LANES; l++) {
-        own->t[l] = at->t[0] + 2.0 * DBL_EPSILON * fabs(at->t[0]);
+        own->t[l] = at->t[0] + moved;
         for (int i = 0; i < sim->model->n_inputs; i++) {
             own->u[i * GB_LANES + l] = at->u[i * GB_LANES];
         }
@@ -131,8 +131,8 @@ static void rates_after(gb_sim *sim, const gb_lanes *at, double *rate) {
     sim->head->counts.rhs_calls++;
 }
 
-/* Adds to the noise by how far these rates are from those that are known. */
-static void add_noise(gb_sim *sim, double *rate, double gain) {
+/* Adds to the noise by how far these rates are from those that are known, times the gain of each. */
+static void add_noise(gb_sim *sim, double *rate, const double *gain) {
     for (int i = 0; i < sim->model->n; i++) {
         rate[i] -= sim->k1[i];
     }
@@ -140,22 +140,35 @@ static void add_noise(gb_sim *sim, double *rate, double gain) {
         gb_rosenbrock_response(sim, rate);
     }
     for (int i = 0; i < sim->model->n; i++) {
-        sim->control.noise[i] = gb_max(sim->control.noise[i], gain * fabs(rate[i]));
+        sim->control.noise[i] = gb_max(sim->control.noise[i], gain[i] * fabs(rate[i]));
+    }
+}
+
+/* Gains of noise: the slope in time of implicit methods is a difference between two instants, in which rounding is
+ * larger; what time has no part in rounds alike at both. */
+static void find_gains(gb_sim *sim, double h, const gb_lanes *at, int differenced, double *rate, double *gain) {
+    const double all = gain_of_doublings(sim), apart = gb_rosenbrock_time_step(at->t[0], h);
+    if (differenced) {
+        rates_after(sim, at, apart, rate);
+    }
+    for (int i = 0; i < sim->model->n; i++) {
+        gain[i] = differenced && rate[i] != sim->k1[i] ? gb_max(2.0 * h / apart, 1.0) * all : all;
     }
 }
 
 void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, double valid) {
     const gb_model *model = sim->model;
-    const double first = sim->head->counts.steps == 0 ? h : 0.0;
+    const double first = sim->head->counts.steps == 0 ? h : 0.0, last_bits = 2.0 * DBL_EPSILON * fabs(at->t[0]);
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
-    const double gain = gain_of_doublings(sim);
+    double *gain = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total;
     const unsigned pattern = ++sim->head->control.noise_pattern;
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
     const int implicit = sim->method->gamma > 0.0;
+    find_gains(sim, h, at, timed && implicit, rate, gain);
     if (timed && !implicit) {
-        rates_after(sim, at, rate);
+        rates_after(sim, at, last_bits, rate);
         for (int i = 0; i < model->n; i++) {
-            left[i] = gb_max(left[i], gain * fabs(rate[i] - sim->k1[i]));
+            left[i] = gb_max(left[i], gain[i] * fabs(rate[i] - sim->k1[i]));
         }
     }
     for (int i = 0; i < model->n_padded; i++) {
@@ -172,7 +185,7 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     }
     add_noise(sim, rate, gain);
     if (timed && implicit) {
-        rates_after(sim, at, rate);
+        rates_after(sim, at, last_bits, rate);
         add_noise(sim, rate, gain);
     }
 }

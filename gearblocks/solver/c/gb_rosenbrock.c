@@ -57,11 +57,15 @@ void gb_least_scales(gb_sim *sim) {
     }
 }
 
+double gb_rosenbrock_time_step(double from, double h) {
+    return gb_max(SHARE * h, 1e4 * DBL_EPSILON * fabs(from));
+}
+
 int gb_rosenbrock_lanes(const gb_sim *sim, double from, double h, double *t) {
     if (sim->model->n_time_terms == 0) {
         return 0;
     }
-    const double step = gb_max(SHARE * h, 1e4 * DBL_EPSILON * fabs(from));
+    const double step = gb_rosenbrock_time_step(from, h);
     t[0] = from + step;
     t[1] = from + 2.0 * step;
     return 2;

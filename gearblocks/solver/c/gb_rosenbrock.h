@@ -21,6 +21,9 @@ void gb_kinematic_links(gb_sim *sim);
  * so that old values are safe. */
 void gb_least_scales(gb_sim *sim);
 
+/* How far apart the instants of the difference in time are: rounding of the rates is 2 h over it in their slope. */
+double gb_rosenbrock_time_step(double from, double h);
+
 /* The instants of the difference in time, in the lanes behind those of the stages. */
 int gb_rosenbrock_lanes(const gb_sim *sim, double from, double h, double *t);
 
