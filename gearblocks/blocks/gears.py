@@ -17,6 +17,7 @@ class IdealGear(Block):
         a o---||        w_a = ratio w_b, torque: on b
               ||---o b
 
+    On sliders it is a lever without mass (or a gear between racks): s_a = ratio s_b, both from its pivot, the housing.
     Either ratio, or teeth=(za, zb) with external=True/False: ratio = zb/za, negative when external.
 
     Example:
@@ -25,8 +26,8 @@ class IdealGear(Block):
         rig.chain(rig.add("drive", gb.Torque(tau=1.0)), motor, rig.add("gear", gb.IdealGear(ratio=10)), load)
     """
 
-    a, b = Flange("driving side"), Flange("driven side")
-    housing = Flange("housing", ground=True)
+    a, b = Flange("driving side", slider=None), Flange("driven side", slider=None)
+    housing = Flange("housing", ground=True, slider=None)
     ratio: float | None = exact("ratio phi_a/phi_b", default=None)
     teeth: tuple[int, int] | None = exact(
         "tooth counts (za, zb)", default=None, many=True, each=("number of teeth on a", "number of teeth on b")

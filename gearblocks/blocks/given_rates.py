@@ -37,7 +37,8 @@ def rate_problems(name: str, value: Any, rate_name: str, rate: Any) -> Iterator[
         if not off[worst] <= _ALLOWED * size:
             yield (
                 f"{rate_name} is not the rate of {name}: up to t = {joints[worst]:.4g} s {name} changes by "
-                f"{x[worst] - x[0]:.6g}, and the integral of {rate_name} is {found[worst] - x[0]:.6g}"
+                f"{x[worst] - x[0]:.6g}, and the integral of {rate_name} is {found[worst] - x[0]:.6g}; leave w and alpha out, "
+                "which follow from phi, or take Acceleration(alpha=...) where alpha is meant; what is measured comes as Inputs"
             )
             return
 

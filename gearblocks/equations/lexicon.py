@@ -83,7 +83,8 @@ class Lexicon:
 
     def body(self, c: Component) -> Any:
         """The angle of a body, or its position, that others give."""
-        spelling, letter, words, unit = ("s", "s", "position", "m") if c.slides else ("phi", "φ", "angle", "rad")
+        turning, sliding = ("phi", "φ", "angle", "rad"), ("s", "s", "position", "m")
+        spelling, letter, words, unit = sliding if c.sliders else turning
         symbol = self._claim(f"{spelling}_{flat(c.path)}", ("body", c.path))
         self.names[symbol] = names.Name(letter, "", self._foot(c))
         self.entries[symbol] = nomenclature.Entry(f"{words} of {names.whole(c.path)}", "", unit)

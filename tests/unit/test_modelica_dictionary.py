@@ -19,13 +19,14 @@ COMPONENTS = re.findall(
     r"\S+",
     """
     R.Inertia T.Mass R.Fixed T.Fixed R.Spring R.SpringDamper T.Spring T.SpringDamper R.Damper T.Damper R.ElastoBacklash
-    R.ElastoBacklash2 T.ElastoGap R.BearingFriction T.SupportFriction R.Brake T.Brake R.Clutch R.OneWayClutch R.IdealGear
-    R.IdealPlanetary R.LossyGear R.Gearbox R.IdealGearR2T R.IdealRollingWheel R.Disc T.Rod T.MassWithStopAndFriction
-    T.RollingResistance T.Vehicle R.RelativeStates T.RelativeStates R.InitializeFlange T.InitializeFlange
-    R.AngleToTorqueAdaptor R.TorqueToAngleAdaptor R.GeneralAngleToTorqueAdaptor R.GeneralTorqueToAngleAdaptor
-    T.GeneralForceToPositionAdaptor T.GeneralPositionToForceAdaptor R.Torque R.ConstantTorque R.TorqueStep T.Force
-    T.ConstantForce T.ForceStep R.Torque2 T.Force2 R.LinearSpeedDependentTorque R.QuadraticSpeedDependentTorque
-    T.LinearSpeedDependentForce T.QuadraticSpeedDependentForce R.InverseSpeedDependentTorque R.SignTorque T.SignForce
+    R.ElastoBacklash2 T.ElastoGap R.BearingFriction T.SupportFriction R.Brake T.Brake R.Clutch R.OneWayClutch
+    R.FreeWheel R.IdealGear T.IdealGear T.IdealLever R.Coupling R.IdealPlanetary R.LossyGear R.Gearbox R.IdealGearR2T
+    R.IdealRollingWheel R.Disc T.Rod T.MassWithStopAndFriction T.RollingResistance T.Vehicle R.RelativeStates
+    T.RelativeStates R.InitializeFlange T.InitializeFlange R.AngleToTorqueAdaptor R.TorqueToAngleAdaptor
+    R.GeneralAngleToTorqueAdaptor R.GeneralTorqueToAngleAdaptor T.GeneralForceToPositionAdaptor
+    T.GeneralPositionToForceAdaptor R.Torque R.ConstantTorque R.TorqueStep T.Force T.ConstantForce T.ForceStep R.Torque2
+    T.Force2 R.LinearSpeedDependentTorque R.QuadraticSpeedDependentTorque T.LinearSpeedDependentForce
+    T.QuadraticSpeedDependentForce R.InverseSpeedDependentTorque R.SignTorque T.InverseSpeedDependentForce T.SignForce
     R.EddyCurrentTorque T.EddyCurrentForce R.Speed R.ConstantSpeed T.Speed T.ConstantSpeed R.Position T.Position
     R.Accelerate T.Accelerate R.Move T.Move R.AngleSensor R.SpeedSensor R.AccSensor R.RelAngleSensor R.RelSpeedSensor
     R.RelAccSensor T.PositionSensor T.SpeedSensor T.AccSensor T.RelPositionSensor T.RelSpeedSensor T.RelAccSensor
