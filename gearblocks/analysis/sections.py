@@ -107,9 +107,15 @@ def section_points(
     return Points(t.astype(np.float64), names, values, extent, run)
 
 
+def _check_section(section: object) -> None:
+    if not isinstance(section, Section):
+        raise ParameterError(f"section = {section!r:.80} must be a section such as gb.stroboscopic('speed')")
+
+
 def check_frequency(section: Section, program: Program) -> None:
     """Raises ParameterError where the parameter of a section measures something else than a frequency; of one that nothing
     is said about it is taken to be in rad/s."""
+    _check_section(section)
     names = {p.path: i for i, p in enumerate(program.parameters)}
     told = program.parameters[resolve(section.frequency, names, "parameter")]
     if told.unit not in ("", "1") and not parse_unit(told.unit).measures(parse_unit("rad/s")):
@@ -121,8 +127,7 @@ def check_frequency(section: Section, program: Program) -> None:
 
 def section_period(section: Section, parameters: Mapping[str, float]) -> float:
     """Period of a stroboscopic section [s]. Raises ParameterError where its frequency is not above 0."""
-    if not isinstance(section, Section):
-        raise ParameterError(f"section = {section!r:.80} must be a section such as gb.stroboscopic('speed')")
+    _check_section(section)
     paths = {path: i for i, path in enumerate(parameters)}
     path = [*parameters][resolve(section.frequency, paths, "parameter")]
     frequency = parameters[path]
