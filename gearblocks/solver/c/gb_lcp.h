@@ -279,8 +279,9 @@ static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b
     }
     for (int i = 0; i < n; i++) { /* at a bound means exactly there */
         for (int side = -1; side <= 1 && lcp->in[i]; side += 2) {
-            const double bound = (side < 0 ? lo[i] : hi[i]) + gb_lcp_shift(lcp->coupled, i, side, x);
-            const int met = fabs(bound) < HUGE_VAL && fabs(x[i] - bound) <= 8.0 * DBL_EPSILON * fabs(bound);
+            const double fixed = side < 0 ? lo[i] : hi[i], shift = gb_lcp_shift(lcp->coupled, i, side, x);
+            const double bound = fixed + shift, rounding = 8.0 * DBL_EPSILON * (fabs(fixed) + fabs(shift));
+            const int met = fabs(bound) < HUGE_VAL && fabs(x[i] - bound) <= rounding;
             x[i] = met ? bound : x[i];
         }
     }
