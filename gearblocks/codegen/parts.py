@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from gearblocks.assembly.kinematics import DependentGroup
 from gearblocks.codegen.function import Function, Names
 from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
+from gearblocks.codegen.operands import Role
 from gearblocks.laws.rational import Exact
 
 if TYPE_CHECKING:
@@ -269,7 +270,8 @@ class GroupRows:
 @dataclass(slots=True)
 class Computed:
     """Where rows are computed (unknowns_varying.py): values that numbers start with, places of g and of gains (by number of the
-    gain), steps, rows of equations with inertia; entries of dG/ds as (unknown, kinematic state); B over unknowns.
+    gain), steps, rows of equations with inertia, changes of accelerations by group; entries of dG/ds as (unknown, kinematic
+    state); B over unknowns.
 
     first_acceleration_bias, first_reduced, rates: further rows of the spreading table; reduced: groups of the second.
     """
@@ -279,6 +281,7 @@ class Computed:
     gains: list[tuple[int, int]]
     steps: list[tuple[int, int, int]]
     with_inertia: list[dict[int, int]]
+    accelerations: list[dict[int, int]]
     entries: list[tuple[int, int]]
     kinematic_rates: list[dict[int, Exact]]
     reduced: list[int]
@@ -307,6 +310,11 @@ class Linear:
     spread: list[dict[int, Exact]] = field(default_factory=list)
     terms: list[list[tuple[int, int, int]]] = field(default_factory=list)
     first_mass: int = 0
+
+    @property
+    def reads_forces(self) -> bool:
+        """Whether the matrix reads constraint forces."""
+        return any(Role.CONSTRAINT_FORCES in f.read for f in self.functions.get("step_matrix", []))
 
     def keep(self, what: str, function: Function) -> None:
         """Adds a function unless it does nothing."""

@@ -305,6 +305,7 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
         "terms": _terms(linear.terms),
         "kinematic_rate_rows": sparse("kinematic_rate", linear.computed.kinematic_rates if linear.computed else []),
         "with_inertia": _rows_of(linear.computed.with_inertia if linear.computed else []),
+        "group_changes": _rows_of(linear.computed.accelerations if linear.computed else []),
         "group_tables": [sparse(name, rows) for name, rows in _group_tables(linear.group_rows, moves, tilted).items()],
     }
 

@@ -79,7 +79,7 @@ class Slopes:
         """The derivatives of an expression of the batch. NotImplementedError where there is no formula."""
         found = Gradient()
         roles, g = self.code.law.pool.roles, self.g
-        for x, slope in partial(self.code, expr):
+        for x, slope in partial(self.code, sp.sympify(expr).xreplace(self.code.forces)):
             role = roles[x].role
             if role in ("w", "state") or (self.direct and role != "sense"):
                 found.unknowns[x] = found.unknowns.get(x, 0) + g * slope
@@ -134,6 +134,23 @@ class Slopes:
             self._add({pool.symbol("state", state, state): sp.Integer(1)}, expr)
         for flange, expr in code.balance.torque_rates.items() if with_torque_rates else ():
             self._add({pool.symbol("torque_rate", flange, f"torque_rate_{flange}"): sp.Integer(1)}, expr)
+        self._add_losses()
+
+    def _add_losses(self) -> None:
+        """What lossy gears lose of the force inside them, where that part changes with the motion, at a fixed force."""
+        for name, constraint in self.code.law.constraints.items():
+            if constraint.share is None or constraint.partner is None:
+                continue
+            share = self.code.constraint_values[name]["share"]
+            if next(partial(self.code, share), None) is None:
+                continue
+            row = {
+                self._speed(flange): -c
+                for flange, c in self.code.law.constraints[constraint.partner].row.items()
+                if self.code.batch.groups[flange][0] != GROUND_GROUP
+            }
+            force = Operand(Role.CONSTRAINT_FORCES, self.code.offsets.constraints[name], instance=True)
+            self._add(row, share * self.local(force))
 
     def _add(self, row: dict[Any, Any], expr: Any) -> None:
         """A term of the rates of the unknowns of `row`, each with its coefficient: S -= row b'."""

@@ -187,7 +187,8 @@ class Matrix:
         for function in unknowns.functions:
             linear.keep("prescribed_derivatives", function)
         linear.computed = computed = Computed(
-            [float(x) for x in numbers.start], unknowns.g, unknowns.gains, numbers.steps, unknowns.with_inertia, [],
+            [float(x) for x in numbers.start], unknowns.g, unknowns.gains, numbers.steps, unknowns.with_inertia,
+            unknowns.accelerations, [],
             unknowns.kinematic_rates(), [group for group, *_ in unknowns.reduced],
         )  # fmt: skip
         computed.first_acceleration_bias = len(self.spread)

@@ -113,9 +113,20 @@ static void sampled_distances(const gb_sim *sim, int i, double side, double *f) 
     }
 }
 
+/* The slip of a constraint that is one of speeds (that of a tie is a force). Slips are as smooth as the states; near
+ * zero their samples differ by the rounding of speeds, which tells nothing of what they do between. */
+static int is_slip(const gb_sim *sim, int i) {
+    int constraint = sim->model->n_constraints - 1;
+    while (constraint >= 0 && sim->model->constraints[constraint].slip != i) {
+        constraint--;
+    }
+    return constraint >= 0 && sim->model->constraints[constraint].kind != GB_TIE;
+}
+
 /* The force of an active constraint, which no later look takes for noise. */
 static int is_force(const gb_sim *sim, int i) {
-    return sim->events.role[i] == GB_CONSTRAINED && sim->events.lo[i] <= -HUGE_VAL && sim->events.slack[i] < 0.0;
+    return sim->events.role[i] == GB_CONSTRAINED && sim->events.lo[i] <= -HUGE_VAL && sim->events.slack[i] < 0.0 &&
+           !is_slip(sim, i);
 }
 
 /* Where one constraint force is known to leave, another one that leaves later is of no interest: no root of event
@@ -174,7 +185,7 @@ static int first_through(gb_sim *sim, int i, double side, double until, double t
     const double limit = side < 0.0 && sim->events.slack[i] < 0.0 ? -HUGE_VAL
                          : side < 0.0                             ? sim->events.lo[i]
                                                                   : sim->events.hi[i];
-    if (code != GB_DONE || sim->events.role[i] != GB_CONSTRAINED || fabs(limit) >= HUGE_VAL) {
+    if (code != GB_DONE || sim->events.role[i] != GB_CONSTRAINED || fabs(limit) >= HUGE_VAL || is_slip(sim, i)) {
         return code;
     }
     sampled_distances(sim, i, side, f);

@@ -221,7 +221,8 @@ typedef struct gb_model {
      * (length pattern->n, by unknown), lower and upper (by place, factors not yet computed) and kinematic_terms (length
      * n_kinematic_terms: what the next two need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds
      * r_s for a right side r of length n (massless speeds: their rows alone). kinematic_rates: out[0 .. n_kinematic) =
-     * B x. */
+     * B x. constraint_change (NULL: none changes): with the kinematic_terms of a step matrix, how the slip acceleration
+     * of constraint i changes with the unknowns, and with what a step adds to the kinematic states. */
     int n_kinematic, n_massless, n_kinematic_terms;
     const gb_pattern *pattern;
     void (*step_matrix)(const double *par, const double *mode, const double *time_terms, const double *y,
@@ -229,6 +230,7 @@ typedef struct gb_model {
                         double *kinematic_terms);
     void (*right_side)(const double *par, const double *kinematic_terms, double g, const double *r, double *out);
     void (*kinematic_rates)(const double *par, const double *kinematic_terms, const double *x, double *out);
+    void (*constraint_change)(const double *kinematic_terms, int i, double *unknowns, double *states);
 
     /* As time_terms for one lane, with every excitation by time alone at its mean (NULL: as they are). */
     void (*mean_time_terms)(const double *par, const double *mode, int lanes, const double *t, const double *u,

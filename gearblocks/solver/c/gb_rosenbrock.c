@@ -89,17 +89,14 @@ static void slope_in_time(gb_sim *sim, double h) {
     }
 }
 
-/* k = gamma (I - g J)^-1 k, in the first n entries. With active constraints J is that of the constrained motion: the
- * answer to k has gamma times its slips, since the constrained motion has none that depend on the state. */
+/* k = gamma (I - g J)^-1 k, in the first n entries. With active constraints J is that of the constrained
+ * motion. */
 static void solve_stage(gb_sim *sim, double *k) {
     const gb_model *model = sim->model;
     const int kinematic = model->n_kinematic, n = gb_n_active_rows(sim);
     const double gamma = sim->method->gamma, g = gamma * sim->implicit.h;
     double *x = model->n_massless > 0 ? sim->implicit.unknown : k + kinematic, *rates = sim->z2;
-    for (int j = 0; j < n; j++) {
-        sim->constraints.right[j] =
-            model->constant_rows ? 0.0 : gamma * gb_along_row(sim, j, k + model->n - model->n_speeds);
-    }
+    gb_wanted_slips(sim, k);
     model->right_side(sim->par, sim->implicit.kinematic_terms, g, k, sim->implicit.unknown);
     gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
              sim->implicit.work, x);

@@ -21,6 +21,47 @@ double gb_along_row(const gb_sim *sim, int j, const double *speeds) {
     return sum;
 }
 
+/* The slip of the j-th active row of an answer of the matrix, and what the change of its unknowns adds to it. */
+static double slip_of_answer(const gb_sim *sim, int j, const double *x) {
+    const gb_model *model = sim->model;
+    const int size = model->pattern->n;
+    const double *change = sim->implicit.row_change + (size_t)j * (size_t)size;
+    double sum = gb_along_row(sim, j, x + model->n - model->n_speeds - model->n_kinematic);
+    for (int i = 0; i < size && model->constraint_change; i++) {
+        sum += change[i] * x[i];
+    }
+    return sum;
+}
+
+/* Where rows change with the position: how that changes the slips of what a step adds. */
+static void find_changes(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const double g = sim->method->gamma * sim->implicit.h;
+    for (int j = 0; j < gb_n_active_rows(sim) && model->constraint_change; j++) {
+        double *unknowns = sim->implicit.row_change + (size_t)j * (size_t)model->pattern->n;
+        double *states = sim->implicit.row_by_state + (size_t)j * (size_t)model->n_kinematic;
+        model->constraint_change(sim->implicit.kinematic_terms, active_index(sim, j), unknowns, states);
+        for (int i = 0; i < model->pattern->n; i++) {
+            unknowns[i] *= g;
+        }
+        for (int i = 0; i < model->n_kinematic; i++) {
+            states[i] *= g;
+        }
+    }
+}
+
+void gb_wanted_slips(gb_sim *sim, const double *k) {
+    const gb_model *model = sim->model;
+    for (int j = 0; j < gb_n_active_rows(sim); j++) {
+        const double *states = sim->implicit.row_by_state + (size_t)j * (size_t)model->n_kinematic;
+        double slip = model->constant_rows ? 0.0 : gb_along_row(sim, j, k + model->n - model->n_speeds);
+        for (int i = 0; i < model->n_kinematic && model->constraint_change; i++) {
+            slip -= states[i] * k[i];
+        }
+        sim->constraints.right[j] = sim->method->gamma * slip;
+    }
+}
+
 /* The only speed of row j that is not held; -1: there are none or several. */
 static int last_speed(const gb_sim *sim, int j, const double *diag) {
     const double *row = sim->constraints.row + (size_t)j * (size_t)sim->model->n_speeds;
@@ -77,6 +118,7 @@ void gb_factor_constraints(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = gb_n_active_rows(sim), size = n > 0 ? model->pattern->n : 0;
     const int first = model->n - model->n_speeds - model->n_kinematic;
+    find_changes(sim);
     for (int j = 0; j < n; j++) {
         double *answer = sim->implicit.row_response + (size_t)j * (size_t)size;
         memset(sim->implicit.unknown, 0, sizeof(double) * (size_t)size);
@@ -88,7 +130,7 @@ void gb_factor_constraints(gb_sim *sim) {
     }
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++) {
-            const double room = gb_along_row(sim, i, sim->implicit.row_response + (size_t)j * (size_t)size + first);
+            const double room = slip_of_answer(sim, i, sim->implicit.row_response + (size_t)j * (size_t)size);
             sim->implicit.row_room[i * n + j] = i == j && room == 0.0 ? 1.0 : room; /* 0: all of its speeds are held */
             sim->implicit.row_inverse[i * n + j] = i == j ? 1.0 : 0.0;
         }
@@ -102,7 +144,7 @@ void gb_constrain_answer(gb_sim *sim, double *x) {
     const int n = gb_n_active_rows(sim), size = n > 0 ? model->pattern->n : 0;
     double *speeds = x + model->n - model->n_speeds - model->n_kinematic;
     for (int i = 0; i < n; i++) {
-        sim->constraints.right[i] -= gb_along_row(sim, i, speeds);
+        sim->constraints.right[i] -= slip_of_answer(sim, i, x);
     }
     for (int j = 0; j < n; j++) {
         double force = 0.0;

@@ -19,6 +19,10 @@ void gb_hold_speeds(gb_sim *sim);
 /* Behind the factors of the matrix. */
 void gb_factor_constraints(gb_sim *sim);
 
+/* The slips that the answer to k has, gamma times its own since the constrained motion has none: into
+ * constraints.right. Where rows change with the position, so does what keeps them at zero. */
+void gb_wanted_slips(gb_sim *sim, const double *k);
+
 /* Adds the constraint forces to an answer x, so that its speeds slip as constraints.right says. */
 void gb_constrain_answer(gb_sim *sim, double *x);
 
