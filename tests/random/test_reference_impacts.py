@@ -189,3 +189,16 @@ def test_what_two_locks_hold_both_ways_is_a_wall(e, side, blocks):
     train = _train(_body("x", J=0.2), _body("h", w0=2.0 * side), *locks, _hits("h", "x", e), t_end=0.1)
     motion = reference_motion(train, np.array([0.0, 0.07]))
     assert motion.speeds[:, -1] == pytest.approx([0.0, -2.0 * e * side], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("J", "e", "starts"),
+    [((1.5, 0.03, 0.1), (0.3, 0.2), (0.0, 0.0, -4.0)), ((1.0, 0.05, 2.0), (0.1, 0.4), (1.0, 0.0, -2.0))],
+)
+def test_a_body_that_bounces_between_two_comes_to_rest_on_both(J, e, starts):
+    # no load: from the end of its bounces on all three turn as their momentum says, to the last digit
+    bodies = [_body(name, J=m, w0=w) for name, m, w in zip("abc", J, starts, strict=True)]
+    train = _train(*bodies, _hits("a", "b", e[0], 0.01), _hits("b", "c", e[1], 0.0004), t_end=0.5)
+    motion = reference_motion(train, np.linspace(0.0, 0.5, 6))
+    together = sum(m * w for m, w in zip(J, starts, strict=True)) / sum(J)
+    assert motion.speeds[:, -1] == pytest.approx([together] * 3, abs=1e-8)

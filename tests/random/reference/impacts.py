@@ -148,11 +148,12 @@ class Impacts:
             d.mode = 0
         return rates
 
-    def closes(self, y: Array) -> bool:
-        """Whether a body moves into a stop at which it is."""
+    def closes(self, y: Array, gap: float) -> bool:
+        """Whether a body moves into a stop at which it is: no gap comes to zero any more that tells. Where it bounces between two
+        stops and comes to an end at both, the last flights are shorter than a gap can be told."""
         q, v = self.qv(y)
         gaps = [(float(x.row @ q) - x.bound) / max(1.0, abs(x.bound)) for x in self.s.stops]
-        return any(g <= 1e-10 and float(x.row @ v) < -self.small() for g, x in zip(gaps, self.s.stops, strict=True))
+        return any(g <= gap and float(x.row @ v) < -self.small() for g, x in zip(gaps, self.s.stops, strict=True))
 
     def _dies(self, t: float, y: Array, row: Array, speed: float, i: int, flat: float) -> bool:
         """Whether a body comes back to its stop so soon that only rounding would be seen of its flight, or nothing at all."""

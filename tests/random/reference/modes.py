@@ -55,7 +55,7 @@ class Modes(Impacts):
             ahead = [m.scale * d.row for d in self.s.dry for m in d.members if m.on and m.one_way]
             _, w = self.qv(y)
             caught = any(float(row @ v) > self.small() and float(row @ w) < -self.small() for row in ahead)
-            if not (caught or (self.left and self.closes(y))):
+            if not (caught or self.closes(y, 1e-10 if self.left else 1e-15)):
                 return self._settled(t, y, 1e-15, always=True) if self.left else y
         raise NoEvidenceError("impacts without end")
 
