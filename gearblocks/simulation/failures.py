@@ -111,7 +111,11 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "its law jumps against the motion on both sides, which would hold it there, and it cannot: take an element that sticks "
         "(Brake, Clutch, BearingFriction), or give the jump a width (a steep line; a Vehicle with tyre: rolling_speed)",
     ),
-    Code.ERR_BRANCH: ("no set of modes fits the state", "the conditions of this component contradict each other"),
+    Code.ERR_BRANCH: (
+        "no set of modes fits the state",
+        "the conditions of this component contradict each other, or it jams with others: locks around a ratio that varies hold it "
+        "where it is 1 and would have to stop at once as it goes on; put a compliant Shaft into that loop",
+    ),
     Code.ERR_LOSS: (
         "no motion agrees with its losses: it jams while it turns, as its friction grows faster than what slows it down",
         "a load at b of a self-locking gear (efficiency below 0) whose driving side has too little inertia; give that side "

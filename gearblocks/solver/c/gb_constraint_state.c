@@ -154,7 +154,8 @@ int gb_refuse_contradiction(gb_sim *sim) {
         most = c->in[i] ? gb_max(most, fabs(c->right[i])) : most;
     }
     for (int i = 0; i < W.n; i++) {
-        if (c->in[i] && c->lo[i] <= -HUGE_VAL && c->hi[i] >= HUGE_VAL) {
+        const int endless = c->lo[i] <= -HUGE_VAL || c->hi[i] >= HUGE_VAL;
+        if (c->in[i] && endless && c->force[i] > c->lo[i] && c->force[i] < c->hi[i]) {
             double size = fabs(c->right[i]);
             const double left = c->right[i] + gb_delassus_product(&W, i, c->force, &size);
             if (fabs(left) > 1e-4 * most + 1e-12 * size) {
