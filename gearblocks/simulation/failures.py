@@ -113,8 +113,8 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     ),
     Code.ERR_BRANCH: (
         "no set of modes fits the state",
-        "the conditions of this component contradict each other, or it jams with others: locks around a ratio that varies hold it "
-        "where it is 1 and would have to stop at once as it goes on; put a compliant Shaft into that loop",
+        "the conditions of this component contradict each other, or it jams with others: locks around a ratio that varies hold "
+        "it where it is 1 and would have to stop at once as it goes on; put a compliant Shaft into that loop",
     ),
     Code.ERR_LOSS: (
         "no motion agrees with its losses: it jams while it turns, as its friction grows faster than what slows it down",

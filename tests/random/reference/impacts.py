@@ -149,8 +149,8 @@ class Impacts:
         return rates
 
     def closes(self, y: Array, gap: float) -> bool:
-        """Whether a body moves into a stop at which it is: no gap comes to zero any more that tells. Where it bounces between two
-        stops and comes to an end at both, the last flights are shorter than a gap can be told."""
+        """Whether a body moves into a stop at which it is: no gap comes to zero any more that tells. Where it bounces between
+        two stops and comes to an end at both, the last flights are shorter than a gap can be told."""
         q, v = self.qv(y)
         gaps = [(float(x.row @ q) - x.bound) / max(1.0, abs(x.bound)) for x in self.s.stops]
         return any(g <= gap and float(x.row @ v) < -self.small() for g, x in zip(gaps, self.s.stops, strict=True))
