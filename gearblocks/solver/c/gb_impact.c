@@ -67,14 +67,17 @@ static void apply_impulses(gb_sim *sim, const double *impulse) {
     }
 }
 
-/* Slips after an impact. Their rounding is that of the speeds that it took: where all bodies come to rest at once, what
- * is left of the speeds is nothing but that, and would tell directions of sliding. */
+/* Slips after an impact. Their rounding is that of the speeds that it took (where all bodies come to rest at once, what
+ * is left of the speeds is nothing but that, and would tell directions of sliding), and that of what the impulses do to
+ * them: two from both sides cancel on a light body that would fly far from either. */
 static void slips_after(gb_sim *sim) {
     const double speed = sim->constraints.slip_rounding[0] / sim->constraints.row_size[0];
+    const gb_delassus W = gb_delassus_of(sim);
     gb_slips_now(sim);
     for (int i = 0; i < sim->model->n_constraints; i++) {
-        sim->constraints.slip_rounding[i] =
-            gb_max(sim->constraints.slip_rounding[i], speed * sim->constraints.row_size[i]);
+        double terms = 0.0, *rounding = &sim->constraints.slip_rounding[i];
+        gb_delassus_product(&W, i, sim->constraints.other, &terms);
+        *rounding = gb_max(*rounding, gb_max(speed * sim->constraints.row_size[i], 16.0 * DBL_EPSILON * terms));
     }
 }
 
