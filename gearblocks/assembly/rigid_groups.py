@@ -239,8 +239,8 @@ def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, t
     while changed:
         changed = False
         for (one, a), (two, b) in (*pairs, *((y, x) for x, y in pairs)):
-            if owners[one][2] and not owners[two][2]:
-                path, gain, _ = owners[one]
+            path, gain, given = owners.get(one, ("", 1, False))  # none: nothing on it has a start
+            if given and not owners.get(two, ("", 1, False))[2]:
                 owners[two] = (path, gain * over(-b, a), True)
                 changed = True
 

@@ -266,6 +266,10 @@ class GroupRows:
     tilts: list[dict[int, Exact]]
     state_tilts: list[dict[int, Exact]]
 
+    def by_states(self, first_speed: int) -> list[dict[int, Exact]]:
+        """What states of blocks alone add to the speed of each group."""
+        return [{x: c for x, c in row.items() if x < first_speed} for row in self.speeds]
+
 
 @dataclass(slots=True)
 class Computed:

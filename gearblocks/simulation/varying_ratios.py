@@ -113,4 +113,5 @@ def _angle(program: Program, start: GroupStart, outputs: Array, vector: Array) -
     if not start.output:
         return 0.0
     flange, _, speed = start.output.rpartition(".")
-    return float(outputs[program.output_numbers[f"{flange}.{'phi' if speed == 'w' else 's'}"]]) / start.output_gain
+    at = program.output_numbers.get(f"{flange}.{'phi' if speed == 'w' else 's'}")
+    return 0.0 if at is None else float(outputs[at]) / start.output_gain  # a force that is an unknown has no angle

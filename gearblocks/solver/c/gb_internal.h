@@ -279,7 +279,7 @@ struct gb_implicit {
     double *gain;                  /* and one over its factor */
     double h;                      /* the step size it was made for */
     double *row_response, *row_inverse, *row_room; /* its answers to forces along active rows, inverse of their slips */
-    double *row_change, *row_by_state; /* of these slips: g times their change with unknowns, and with states */
+    double *row_change, *row_by_state;             /* of these slips: what unknowns and what states add */
 };
 
 /* Switched constraints, by constraint; row_size and impacts in the block, all else scratch of an event. */

@@ -107,7 +107,7 @@ static void lay_constraints(gb_sim *sim, char *base, size_t *at) {
     c->row = doubles(base, at, n * m->n_speeds);
     sim->implicit.row_response = doubles(base, at, n > 0 && m->pattern ? n * m->pattern->n : 0);
     sim->implicit.row_change = doubles(base, at, m->constraint_change ? n * m->pattern->n : 0);
-    sim->implicit.row_by_state = doubles(base, at, m->constraint_change ? n * (m->n_kinematic + 1) : 0);
+    sim->implicit.row_by_state = doubles(base, at, m->constraint_change ? n * (m->n - m->n_speeds + 1) : 0);
 }
 
 static void lay_implicit(gb_sim *sim, char *base, size_t *at) {

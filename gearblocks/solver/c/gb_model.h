@@ -221,8 +221,8 @@ typedef struct gb_model {
      * (length pattern->n, by unknown), lower and upper (by place, factors not yet computed) and kinematic_terms (length
      * n_kinematic_terms: what the next two need). dy: the rates at the same point. right_side: out = E r_x + g dG/ds
      * r_s for a right side r of length n (massless speeds: their rows alone). kinematic_rates: out[0 .. n_kinematic) =
-     * B x. constraint_change (NULL: none changes): with the kinematic_terms of a step matrix, how the slip acceleration
-     * of constraint i changes with the unknowns, and with what a step adds to the kinematic states. */
+     * B x. constraint_change (NULL: only speeds do): with the kinematic_terms of a step matrix, what the unknowns add
+     * to the slip of constraint i besides its row, and what the y before the speeds of a right side do. */
     int n_kinematic, n_massless, n_kinematic_terms;
     const gb_pattern *pattern;
     void (*step_matrix)(const double *par, const double *mode, const double *time_terms, const double *y,

@@ -21,7 +21,7 @@ double gb_along_row(const gb_sim *sim, int j, const double *speeds) {
     return sum;
 }
 
-/* The slip of the j-th active row of an answer of the matrix, and what the change of its unknowns adds to it. */
+/* The slip of the j-th active row of an answer of the matrix, with what its other unknowns add to it. */
 static double slip_of_answer(const gb_sim *sim, int j, const double *x) {
     const gb_model *model = sim->model;
     const int size = model->pattern->n;
@@ -33,30 +33,24 @@ static double slip_of_answer(const gb_sim *sim, int j, const double *x) {
     return sum;
 }
 
-/* Where rows change with the position: how that changes the slips of what a step adds. */
+/* Where slips hang on more than the speeds: how. */
 static void find_changes(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const double g = sim->method->gamma * sim->implicit.h;
     for (int j = 0; j < gb_n_active_rows(sim) && model->constraint_change; j++) {
         double *unknowns = sim->implicit.row_change + (size_t)j * (size_t)model->pattern->n;
-        double *states = sim->implicit.row_by_state + (size_t)j * (size_t)model->n_kinematic;
+        double *states = sim->implicit.row_by_state + (size_t)j * (size_t)(model->n - model->n_speeds);
         model->constraint_change(sim->implicit.kinematic_terms, active_index(sim, j), unknowns, states);
-        for (int i = 0; i < model->pattern->n; i++) {
-            unknowns[i] *= g;
-        }
-        for (int i = 0; i < model->n_kinematic; i++) {
-            states[i] *= g;
-        }
     }
 }
 
 void gb_wanted_slips(gb_sim *sim, const double *k) {
     const gb_model *model = sim->model;
+    const int first = model->n - model->n_speeds;
     for (int j = 0; j < gb_n_active_rows(sim); j++) {
-        const double *states = sim->implicit.row_by_state + (size_t)j * (size_t)model->n_kinematic;
-        double slip = model->constant_rows ? 0.0 : gb_along_row(sim, j, k + model->n - model->n_speeds);
-        for (int i = 0; i < model->n_kinematic && model->constraint_change; i++) {
-            slip -= states[i] * k[i];
+        const double *states = sim->implicit.row_by_state + (size_t)j * (size_t)first;
+        double slip = model->constant_rows ? 0.0 : gb_along_row(sim, j, k + first);
+        for (int i = 0; i < first && model->constraint_change; i++) {
+            slip += states[i] * k[i];
         }
         sim->constraints.right[j] = sim->method->gamma * slip;
     }

@@ -149,3 +149,23 @@ def test_a_start_angle_passed_through_a_lossy_gear_is_one_parameter() -> None:
     )
     rig.chain(motor, box, rig.add("load", gb.Inertia(J=0.5)))
     assert [p.path for p in gb.build(rig).program.parameters].count("motor.phi0") == 1
+
+
+def _before_a_pair(inertia: float) -> gb.Drivetrain:
+    """A gear with losses whose far side is a shaft that a varying ratio moves."""
+    rig = gb.Drivetrain("before a pair")
+    one, two = rig.add("one", gb.Inertia(J=0.3)), rig.add("two", gb.Inertia(J=0.2))
+    between = [rig.add("between", gb.Inertia(J=inertia))] if inertia else []
+    gear = rig.add("gear", gb.LossyGear(ratio=1.5, **LOSSES["table"]))
+    pair = rig.add("pair", gb.NonCircularGear(law=gb.RatioLaw.ellipse(e=0.25, order=1), external=True))
+    rig.chain(rig.add("drive", gb.Torque(tau=1.0)), one, gear, *between, pair, two)
+    return rig
+
+
+@pytest.mark.parametrize("initial", [None, gb.rolling({"one.w": 8.0})], ids=["from rest", "rolling"])
+def test_a_shaft_without_inertia_between_it_and_a_varying_ratio(initial):
+    start = {"initial": initial} if initial else {}
+    w, near, far = (
+        gb.simulate(_before_a_pair(J), t=T, rtol=1e-10, method="dp8", **start)["one.w"] for J in (0.0, 1e-4, 2e-4)
+    )
+    assert w == pytest.approx(2 * near - far, abs=1e-6 * np.max(np.abs(w)))

@@ -160,3 +160,18 @@ def test_a_static_start_does_not_turn_a_pair_along() -> None:
     rig.chain(rig.add("drive", gb.Speed(w=5.0)), pair, rig.add("two", gb.Inertia(J=1.0)))
     with pytest.raises(gb.ParameterError, match="a gear whose ratio varies has no steady rotation"):
         gb.simulate(rig, t_end=1.0, initial="static")
+
+
+@pytest.mark.parametrize("varying", [False, True])
+def test_a_clutch_in_a_row_with_a_shaft_does_not_stand_in_the_way(varying: bool) -> None:
+    law = gb.RatioLaw.ellipse(e=0.0, order=1)  # a ratio of 1 that nothing knows to be one
+    pair = gb.NonCircularGear(law=law, external=True) if varying else gb.IdealGear(ratio=-1)
+    rig = gb.Drivetrain("clutch and shaft")
+    one, two, three = (rig.add(n, gb.Inertia(J=J)) for n, J in (("one", 0.3), ("two", 0.2), ("three", 0.1)))
+    clutch, shaft = rig.add("clutch", gb.Clutch(capacity=5.0)), rig.add("shaft", gb.Shaft(k=50.0, c=0.2))
+    rig.chain(one, rig.add("pair", pair), two, clutch, shaft, three)
+    run = gb.simulate(rig, t=[0.0, 0.5], initial=gb.rolling({"one.w": 8.0, "three.w": -8.0}))
+    assert run["one.w"] == pytest.approx([8.0, 8.0], rel=1e-9) and run["three.w"] == pytest.approx(
+        [-8.0, -8.0], rel=1e-9
+    )
+    assert run["shaft.a.tau"] == pytest.approx([0.0, 0.0], abs=1e-9)

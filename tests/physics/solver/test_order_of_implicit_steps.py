@@ -1,5 +1,5 @@
 """rodas keeps its order where the motion hangs on forces of constraints: rows that change with the position, losses that change
-with the speed, alone and together; and where a torque reads what a flange feels.
+with the speed, alone and together; where a torque reads what a flange feels; and where what holds follows a filter.
 
 Independent: dp8, whose steps know no derivative; halving a step divides the error by 2^5, by 2^2 with a derivative missing.
 """
@@ -52,7 +52,29 @@ def _fed(signal: object) -> gb.Drivetrain:
     return rig
 
 
+def _filtered(source: gb.Block) -> gb.Drivetrain:
+    """A clutch holds a body to a motion that follows from the states of a filter; another swings behind it."""
+    rig = gb.Drivetrain("behind a filter")
+    rotor, held, one = (rig.add(n, gb.Inertia(J=J)) for n, J in (("rotor", 0.3), ("held", 0.2), ("one", 0.1)))
+    rig.chain(rig.add("source", source), rotor, rig.add("clutch", gb.Clutch(capacity=90.0)), held)
+    rig.chain(held, rig.add("shaft", gb.Shaft(k=40.0, c=0.2)), one, rig.add("load", gb.Torque(tau=-0.4)))
+    return rig
+
+
+_WAVE, _ANGLE = 3.0 + gb.sin(2 * gb.time), gb.sin(2 * gb.time)
+
 CASES = {
+    "held to a filtered speed": (
+        lambda: _filtered(gb.Speed(w=_WAVE, filter=8.0)),
+        "clutch",
+        {"held.w": 3.0, "one.w": 3.0},
+    ),
+    "held to a smooth speed": (
+        lambda: _filtered(gb.Speed(w=_WAVE, filter=8.0, filter_type="bessel")),
+        "clutch",
+        {"held.w": 3.0, "one.w": 3.0},
+    ),
+    "held to a filtered angle": (lambda: _filtered(gb.Angle(phi=_ANGLE, filter=12.0)), "clutch", {}),
     "a clutch that holds": (lambda: _pair(5.0), "clutch", {"one.w": 8.0}),
     "a clutch that slips": (lambda: _pair(0.05), "clutch", {"one.w": 8.0}),
     "losses by speed": (lambda: _gear(False), "gear", {"one.w": 12.0}),
