@@ -1,5 +1,5 @@
-"""A light body lies at a stop, unpressed, and is struck from the other side again and again: it stays, whatever rounding the two
-impulses on it leave, which are large beside its inertia.
+"""A light body lies at a stop, unpressed, and is struck from the other side again and again: it stays, whatever rounding the
+two impulses on it leave, which are large beside its inertia.
 
 Independent: a ball on a wall, v_n = e v_(n-1) and t_n - t_(n-1) = 2 J v_n / tau.
 """
