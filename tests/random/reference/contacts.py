@@ -232,6 +232,9 @@ def mesh(s: System, p: Part) -> None:
         _excitation(s, p.field("transmission_error"), i, z),
     )
     rubs, s2 = tooth_friction(s, p, i, j, radii, sign), sign * r2
+    given = (
+        rubs is not None and dict(p.field("friction").args[1]).get("direction") == "square_wave"
+    )  # supplied, no loss
     varies, errs = p.field("stiffness_variation") is not None, p.field("transmission_error") is not None
     if errs and p.field("backlash") is not None:
         _watched(s, p.field("transmission_error"), i, z)
@@ -247,6 +250,7 @@ def mesh(s: System, p: Part) -> None:
         before = f[i], f[j]
         if rubs is not None:
             rubs(c, f, N)
+        before = (f[i], f[j]) if given else before
         if heat >= 0:
             f[-1 - heat] += (N - (1 + v) * spring(x)) * rate - (f[i] - before[0]) * c.V[i] - (f[j] - before[1]) * c.V[j]
 
