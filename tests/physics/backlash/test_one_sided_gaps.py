@@ -110,6 +110,73 @@ def test_four_gaps_in_a_loop_are_met() -> None:
         assert np.abs(run[f"{name}.s"] - positions).max() < 1e-6 * 0.05, name
 
 
+def _preload() -> gb.Drivetrain:
+    """Modelica's PreLoad: lengths of masses and rods (half of each, or all) go into rest and lower."""
+    k, d, wall, far = 1e6, 250.0, -0.0955, -0.0955 + 0.0305
+    rig = gb.Drivetrain("PreLoad")
+    left, right = rig.add("fixedLe", gb.Fixed(phi0=wall)), rig.add("housing", gb.Fixed(phi0=far))
+    spool = rig.add("spool", gb.Mass(m=0.15, s0=0.01475, v0=0.0))
+    plate_a = rig.add("springPlateA", gb.Mass(m=0.01, s0=-0.093, v0=0.0))
+    plate_b = rig.add("springPlateB", gb.Mass(m=0.01, s0=-0.06925, v0=0.0))
+    outer = gb.Lash(k=k, c=d, lower=0.0015 + 0.001)
+    rig.chain(
+        left, rig.add("outerContactA", outer), plate_a, rig.add("spring", gb.Shaft(k=2e4, rest=0.025 + 0.002)),
+        plate_b, rig.add("outerContactB", outer), right,
+    )  # fmt: skip
+    lower_a, lower_b = 0.001 - 0.095 - 0.00575 - 0.008, 0.001 + 0.095 - 0.00575 - 0.008
+    rig.chain(spool, rig.add("innerContactA", gb.Lash(k=k, c=d, lower=lower_a)), plate_a)
+    rig.chain(plate_b, rig.add("innerContactB", gb.Lash(k=k, c=d, lower=lower_b)), spool)
+    rig.chain(left, rig.add("friction", gb.Damper(c=2500.0)), spool)
+    rig.connect(rig.add("force", gb.Force(f=150 * gb.sin(2 * np.pi * 0.01 * gb.time))).flange, spool.a)
+    return rig
+
+
+def _on_preload(y: Any, push: Any) -> Any:
+    """Forces on plates and spool but for that of time; push(number, beyond, rate): of an ElastoGap that is too short by so
+    much, and grows at that rate. Flanges lie where Modelica's do."""
+    a, b, x, va, vb, v = y
+    outer_a, outer_b = push(0, 0.0015 - ((a - 0.001) + 0.0955), va), push(1, 0.0015 - (-0.065 - (b + 0.001)), -vb)
+    inner_a = push(2, 0.001 - ((a + 0.001 + 0.007) - (x - 0.095 - 0.00575)), va - v)
+    inner_b = push(3, 0.001 - ((x - 0.095 + 0.00575) - (b - 0.001 - 0.007)), v - vb)
+    spring = 2e4 * ((b - 0.001) - (a + 0.001) - 0.025)
+    return np.array([outer_a + spring + inner_a, -outer_b - spring - inner_b, -2500 * v - inner_a + inner_b])
+
+
+def test_the_plates_of_a_preloaded_spool_find_their_seats() -> None:
+    def push(_number: int, beyond: float, rate: float) -> float:
+        elastic = 1e6 * max(beyond, 0.0)
+        return elastic - float(np.clip(250 * rate, -elastic, elastic))
+
+    def f(time: float, y: Any) -> Any:
+        force = np.array([0.0, 0.0, 150 * np.sin(0.02 * np.pi * time)])
+        return np.concatenate([y[3:], (_on_preload(y, push) + force) / [0.01, 0.01, 0.15]])
+
+    t = np.linspace(0, 0.005, 51)
+    run = gb.simulate(_preload(), t=t, rtol=1e-10)
+    wanted = _reference(f, [-0.093, -0.06925, 0.01475, 0.0, 0.0, 0.0], t, 1e-5)
+    for name, positions in zip(("springPlateA", "springPlateB", "spool"), wanted, strict=False):
+        assert np.abs(run[f"{name}.s"] - positions).max() < 1e-8 * np.ptp(positions), name
+
+
+@pytest.mark.parametrize("method", ["auto", pytest.param("rodas", marks=LONG)])
+def test_a_preloaded_spool_follows_its_spring(method: str) -> None:
+    """Its 100 s: beyond the preload one plate rests on its seat and the other goes with the spool, in linear equations."""
+    run, W = gb.simulate(_preload(), t=np.linspace(0, 100, 1001), rtol=1e-10, method=method), 0.02 * np.pi
+    for touched, start in (((1, 2), 15.0), ((0, 3), 65.0)):
+
+        def push(number: int, beyond: float, rate: float, touched: Any = touched) -> float:
+            return 1e6 * beyond - 250 * rate if number in touched else 0.0
+
+        constant = _on_preload(np.zeros(6), push)
+        J = np.array([_on_preload(x, push) - constant for x in np.eye(6)]).T
+        rest = np.linalg.solve(-J[:, :3], constant)
+        wave = np.linalg.solve(-(W**2) * np.diag([0.01, 0.01, 0.15]) - J[:, :3] - 1j * W * J[:, 3:], [0, 0, 150])
+        here = (run.t >= start) & (run.t <= start + 20)
+        moved = rest[:, None] + (wave[:, None] * np.exp(1j * W * run.t[here])).imag
+        for name, positions in zip(("springPlateA", "springPlateB", "spool"), moved, strict=True):
+            assert np.abs(run[f"{name}.s"][here] - positions).max() < 1e-8 * np.ptp(moved[2]), name
+
+
 @pytest.mark.long
 def test_a_spring_rests_where_it_is_said() -> None:
     """x = rest + (x0 - rest) cos(w t) in closed form; the equilibrium lies at rest, energy is counted from there."""
