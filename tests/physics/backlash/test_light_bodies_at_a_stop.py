@@ -42,3 +42,15 @@ def test_it_stays_where_it_lies(heavy: float, light: float, e: float, start: flo
             assert hit.before == pytest.approx(-hits[n - 1].after, rel=1e-7)
             assert hit.t - hits[n - 1].t == pytest.approx(2 * heavy * hits[n - 1].after / TAU, rel=1e-7)
     assert np.max(np.abs(run["two.w"])) < 1e-9
+
+
+@pytest.mark.parametrize("light", [1e-4, 1e-7, 1e-9])
+def test_one_of_hardly_any_inertia_stays_as_well(light: float) -> None:
+    """Impulses on it are 1e7 and more times as large, as accelerations, as those on what strikes it: solved to the end."""
+    e = 1e-3
+    rig = gb.Drivetrain("hardly any inertia")
+    one, two = rig.add("one", gb.Inertia(J=1.0, phi0=-0.1, w0=1.0)), rig.add("two", gb.Inertia(J=light, w0=0.0))
+    hit, stop = (rig.add(n, gb.HardStop(restitution=e, lower=0.0, upper=1.0)) for n in ("hit", "stop"))
+    rig.chain(one, hit, two, stop, rig.add("ground", gb.Fixed()))
+    run = gb.simulate(rig, t_end=0.2)
+    assert run["one.w"][-1] == pytest.approx(-e, rel=1e-4) and run["two.w"][-1] == 0.0 and len(run.events) == 1
