@@ -156,36 +156,61 @@ static void find_gains(gb_sim *sim, double h, const gb_lanes *at, int difference
     }
 }
 
+/* Adds what the rates do when each state is moved by its bits, which lie in z2. */
+static void add_noise_of_bits(gb_sim *sim, const gb_lanes *at, double *rate, const double *gain) {
+    double *bits = sim->z2;
+    for (int i = 0; i < sim->model->n_padded; i++) {
+        bits[i] = sim->y0[i] + (is_raised(i, sim->head->control.noise_pattern) ? bits[i] : -bits[i]);
+    }
+    gb_rates(sim, 0, at, 0, bits, rate);
+    sim->head->counts.rhs_calls++;
+    add_noise(sim, rate, gain);
+}
+
+/* Adds what the rates do when each speed is moved by what an acceleration that is rounding makes in h. What it gained
+ * in the slope in time it has gained. */
+static void add_noise_of_left(gb_sim *sim, double h, const gb_lanes *at, const double *left, double *rate,
+                              double *gain) {
+    int any = 0;
+    memset(sim->z2, 0, sizeof(double) * (size_t)sim->model->n_padded);
+    for (int i = 0; i < sim->model->n; i++) {
+        sim->z2[i] = h * left[i];
+        gain[i] = gain_of_doublings(sim);
+        any |= left[i] > 0.0;
+    }
+    if (any) {
+        add_noise_of_bits(sim, at, rate, gain);
+    }
+}
+
 void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, double valid) {
     const gb_model *model = sim->model;
     const double first = sim->head->counts.steps == 0 ? h : 0.0, last_bits = 2.0 * DBL_EPSILON * fabs(at->t[0]);
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
     double *gain = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total;
-    const unsigned pattern = ++sim->head->control.noise_pattern;
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
-    const int implicit = sim->method->gamma > 0.0;
-    find_gains(sim, h, at, timed && implicit, rate, gain);
-    if (timed && !implicit) {
+    const int differenced = timed && sim->method->gamma > 0.0;
+    sim->head->control.noise_pattern++;
+    find_gains(sim, h, at, differenced, rate, gain);
+    if (timed && !differenced) {
         rates_after(sim, at, last_bits, rate);
         for (int i = 0; i < model->n; i++) {
             left[i] = gb_max(left[i], gain[i] * fabs(rate[i] - sim->k1[i]));
         }
     }
-    for (int i = 0; i < model->n_padded; i++) {
-        const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
-        const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
-        const double bit = i < model->n ? gb_max(own, h * left[i]) : own;
-        sim->z2[i] = sim->y0[i] + (is_raised(i, pattern) ? bit : -bit);
-    }
-    gb_rates(sim, 0, at, 0, sim->z2, rate);
-    sim->head->counts.rhs_calls++;
     for (int i = 0; i < model->n; i++) {
         const double so_far = sim->control.noise[i], least = sim->control.largest[i] >= valid * so_far ? 0.0 : so_far;
         sim->control.noise[i] = gb_max(left[i], least);
     }
-    add_noise(sim, rate, gain);
-    if (timed && implicit) {
+    for (int i = 0; i < model->n_padded; i++) {
+        const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
+        const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
+        sim->z2[i] = i < model->n && !differenced ? gb_max(own, h * left[i]) : own;
+    }
+    add_noise_of_bits(sim, at, rate, gain);
+    if (differenced) {
         rates_after(sim, at, last_bits, rate);
         add_noise(sim, rate, gain);
+        add_noise_of_left(sim, h, at, left, rate, gain);
     }
 }
