@@ -35,6 +35,11 @@ def _corner(drive: Any) -> gb.Drivetrain:
     return _train("corner", gb.cos(drive * gb.time), after_disc=lambda r: _beside(r, ("lash", lash)), w0=0.2)
 
 
+def _jump(drive: Any) -> gb.Drivetrain:
+    lash = gb.Lash(k=40.0, c=0.9, half_gap=0.1, contact_damping="clipped_force")  # begins with c x'
+    return _train("jump", gb.cos(drive * gb.time), after_disc=lambda r: _beside(r, ("lash", lash)), w0=0.2)
+
+
 def _impact(drive: Any) -> gb.Drivetrain:
     stop = gb.HardStop(lower=-0.3, upper=0.4, restitution=0.7)
     return _train("impact", gb.cos(drive * gb.time) + 0.3, after_disc=lambda r: _beside(r, ("stop", stop)), w0=0.5)
@@ -113,6 +118,7 @@ def _lossy(drive: Any) -> gb.Drivetrain:
 
 MADE = {
     _corner: ("drive", "lash.half_gap", "lash.k"),
+    _jump: ("drive", "lash.half_gap", "lash.c"),
     _impact: ("drive", "stop.upper", "stop.restitution"),
     _moving_stop: ("wave", "stop.lower", "stop.restitution"),
     _held_value: ("drive", "passages.level"),
