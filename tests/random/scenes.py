@@ -135,7 +135,7 @@ def _told(price: Any) -> Iterator[str]:
     for part in re.sub(r"^.*? within [0-9.]+ %: ", "", price.sentence).split("; "):
         head, _, names = part.partition(": ")
         verdict = HEADS.get(head, head.removeprefix("together "))
-        for name in re.sub(r" \([^()]*\)", "", names).split(", "):
+        for name in re.sub(r" \((?:[^()]|\([^()]*\))*\)", "", names).split(", "):
             if head == "not tried":
                 continue
             said |= price[name].effects
@@ -171,6 +171,8 @@ def _beside(s: gb.Scene, one: Any, lean_rig: gb.Drivetrain) -> Iterator[str]:
     given = {p.name: float(p.value) for p in s.drivetrain.parameters() if isinstance(p.value, (int, float))}
     initial = s.initial
     parameters = {what: share * given[what]} if what in given else {}
+    if what == "load":
+        parameters |= {name: share * value for name, value in given.items() if name.startswith("pump.coeffs")}
     if what == "speed" and isinstance(initial, dict):
         initial = {name: share * float(w or 0.0) for name, w in initial.items()}
     there = s.changed(parameters=parameters, initial=initial)

@@ -28,6 +28,7 @@ from gearblocks.errors import GearblocksError, ParameterError, by_name_only
 Array = NDArray[np.float64]
 
 _STEPS = 6  # trains that each end of the search may take
+_TURNS = 2.0  # CPU seconds for times of the whole and the fitted train that are comparable
 _BUDGET = 20.0  # CPU seconds for the choice of method and tolerance
 
 
@@ -63,7 +64,10 @@ def fitted(trials: Trials, price: Price) -> Fit:
     else:
         given_up, spoilt = None, ()
     choice = _choice(trials, best, judgement)
-    return Fit(trials.scene, price, best, judgement, choice, around, given_up, spoilt, trials.count, trials.runs)
+    full = trials.take_turns([best], _TURNS) if best.effects else trials.whole.stats
+    return Fit(
+        trials.scene, price, best, judgement, full, choice, around, given_up, spoilt, trials.count, trials.runs
+    )  # fmt: skip
 
 
 @final
@@ -81,8 +85,8 @@ class _Search:
             self._consider(trials.trial(row.effects))
 
     def gain(self, trial: Trial) -> float:
-        """Share of the work that is saved."""
-        return 1 - trial.work / self.trials.whole.work
+        """Share of the cost that is saved."""
+        return 1 - self.trials.cost(trial)
 
     def from_both_ends(self) -> None:
         """Tries sets of rows until the trains, or the steps, are used up."""
@@ -156,12 +160,14 @@ class _Search:
         if trial.message:
             return None
         judgement = self.trials.judged(trial)
+        if np.isnan(trial.beside):
+            self.trials.take_turns([trial])
         if judgement.verdict is Verdict.not_needed and self._cheaper(trial):
             self.best, self.judgement = trial, judgement
         return judgement
 
     def _cheaper(self, trial: Trial) -> bool:
-        now, then = trial.work, self.best.work
+        now, then = self.trials.cost(trial), self.trials.cost(self.best)
         if abs(now - then) <= GAIN * then:
             return (trial.n_states, -len(trial.effects)) < (self.best.n_states, -len(self.best.effects))
         return now < then
@@ -190,14 +196,14 @@ def _around(trials: Trials, best: Trial) -> tuple[Neighbour, ...]:
 
 
 def _beside(trials: Trials, best: Trial, words: str, scene: Scene) -> Neighbour:
-    n = len(scene.measures)
+    names = scene.names
     try:
         there = Trials(scene, trials.effort)
         trial = there.trial(best.effects)
-        return Neighbour(words, there.judged(trial), trial.message)
+        return Neighbour(words, there.judged(trial), names, trial.message)
     except GearblocksError as error:
-        nothing = np.full(n, np.nan)
-        return Neighbour(words, Judgement(nothing, nothing, (Verdict.no_run,) * n), str(error))
+        nothing = np.full(len(names), np.nan)
+        return Neighbour(words, Judgement(nothing, nothing, (Verdict.no_run,) * len(names)), names, str(error))
 
 
 def _choice(trials: Trials, best: Trial, judgement: Judgement) -> Effort:

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from gearblocks.analysis.scenes.bench import Effort
 from gearblocks.analysis.scenes.price_result import GAIN, Price
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent
+from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent, relative_cost
 from gearblocks.drivetrain import Drivetrain
+from gearblocks.simulation.records import Stats
 
 Array = NDArray[np.float64]
 
@@ -22,6 +23,7 @@ class Neighbour(NamedTuple):
 
     words: str
     judgement: Judgement
+    names: tuple[str, ...]
     message: str = ""
 
     @property
@@ -32,7 +34,7 @@ class Neighbour(NamedTuple):
     def __str__(self) -> str:
         if self.message:
             return f"{self.words}: {self.message}"
-        return f"{self.words}: {self.judgement.worst}"
+        return f"{self.words}: {self.judgement.worst(self.names)}"
 
 
 _AROUND = {
@@ -46,13 +48,15 @@ _AROUND = {
 @dataclass(frozen=True, slots=True, eq=False)
 class Fit:
     """The cheapest train that a scene calls for. trial: the fitted train and its runs; judgement: beside the whole train;
-    effort: the cheapest way to run it; around: at other loads and speeds; given_up: what would have stayed within the
+    full: counters of a run of the whole train, its CPU time taken in turns with that of the trial; effort: the cheapest
+    way to run it; around: at other loads and speeds; given_up: what would have stayed within the
     accuracy too, without gain, but not around the scene (spoilt says where); trains, runs: how many were built and made."""
 
     scene: Scene
     price: Price
     trial: Trial
     judgement: Judgement
+    full: Stats
     effort: Effort
     around: tuple[Neighbour, ...]
     given_up: Trial | None
@@ -117,7 +121,7 @@ class Fit:
             )
         whole, trial = self.price.whole, self.trial
         lines.append(
-            f"{whole.n_states} states, {whole.stats.rhs_calls:,} right-hand sides and {1e3 * whole.stats.cpu_seconds:.3g} ms "
+            f"{whole.n_states} states, {self.full.rhs_calls:,} right-hand sides and {1e3 * self.full.cpu_seconds:.3g} ms "
             f"with everything; {trial.n_states}, {trial.stats.rhs_calls:,} and {1e3 * trial.stats.cpu_seconds:.3g} ms fitted, "
             f"at {trial.estimates[1].effort}"
         )
@@ -131,9 +135,10 @@ class Fit:
         run = f"run it with {self.effort}{self._mean_words()}"
         if not self.trial.effects:
             return f"{asked} nothing is to be left out{self._given_up_words()}; {run}."
-        whole, now = self.price.whole.stats, self.trial.stats
+        whole, now = self.full, self.trial.stats
         ratio = whole.cpu_seconds / now.cpu_seconds if now.cpu_seconds > 0 else np.inf
-        gains = self.trial.work < (1 - GAIN) * self.price.whole.work and ratio > 1 / (1 - GAIN)
+        cost = relative_cost(self.trial.work / self.price.whole.work, 1 / ratio)
+        gains = max(cost, 1 / ratio) < 1 - GAIN
         gain = f"it runs {ratio:.3g} times as fast" if gains else "without gain"
         went = f"{', '.join(self.dropped)} may go: {gain} ({whole.rhs_calls:,} to {now.rhs_calls:,} right-hand sides)"
         return f"{asked} {went}; {run}; {self._around_words()}."
@@ -160,7 +165,9 @@ class Fit:
             kinds.setdefault(
                 _AROUND.get(one.judgement.verdict, "it was not to be seen whether it holds at"), []
             ).append(one.words if one.holds else str(one))
-        return "; ".join(f"{words} {', '.join(found)}" for words, found in kinds.items())
+        missing = [what for what in ("load", "speed") if not any(one.words.startswith(what) for one in self.around)]
+        told = [f"{words} {', '.join(found)}" for words, found in kinds.items()]
+        return "; ".join([*told, *(f"the train has no {what} to vary" for what in missing)])
 
     def __str__(self) -> str:
         return f"{self.scene}\n{self.evidence}\n{self.sentence}"

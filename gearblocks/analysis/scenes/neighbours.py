@@ -1,8 +1,8 @@
 """Neighbours of a scene: the same question at load and speed 10 % lower and higher.
 
-Load: the torques and forces of all sources and, where these are Parameters, those. Speed: Parameters, prescribed speeds and
-start speeds in rad/s or m/s. A signal that is written in numbers alone is multiplied as a whole, an Input as it is given:
-number, series or function of time. Knows nothing of verdicts.
+Load: the torques and forces of all sources, of engines (their map) and of loads over speed and, where these are Parameters,
+those. Speed: Parameters, prescribed and governed speeds and start speeds in rad/s or m/s. A signal that is written in numbers
+alone is multiplied as a whole, an Input as it is given: number, series or function of time. Knows nothing of verdicts.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.blocks.sources import Speed, Torque
+from gearblocks.blocks.machines import EddyCurrentBrake, Engine, Governor
+from gearblocks.blocks.sources import Speed, SpeedLoad, Torque
 from gearblocks.blocks.translational import Force
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.language.block import start_fields
@@ -23,6 +24,7 @@ from gearblocks.language.expression import Expr
 from gearblocks.language.fields import SPEED
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.starts import Rolling
+from gearblocks.language.tables import Table2
 from gearblocks.language.units import check_unit
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.train.values import leaves_of
@@ -30,7 +32,11 @@ from gearblocks.train.values import leaves_of
 _TEXT = re.compile(r"\s*([-+0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(.*)")
 SHARES = (0.9, 1.1)
 _LOADS, _SPEEDS = ("N m", "N"), ("rad/s", "m/s")
-_SIGNALS: dict[type, str] = {Torque: "tau", Force: "f", Speed: "w"}
+_SIGNALS: dict[type, tuple[str, tuple[str, ...]]] = {
+    Torque: ("tau", _LOADS), Force: ("f", _LOADS), SpeedLoad: ("coeffs", _LOADS), Engine: ("torque_map", _LOADS),
+    EddyCurrentBrake: ("tau_nominal", _LOADS), Speed: ("w", _SPEEDS), Governor: ("target", _SPEEDS),
+}  # fmt: skip
+"""What makes a block a source of load or speed: the field, and which of both it is."""
 
 
 def neighbours(scene: Scene) -> Iterator[tuple[str, Scene]]:
@@ -46,7 +52,7 @@ def _scaled(scene: Scene, units: tuple[str, ...], share: float) -> Scene | None:
     """The scene with everything that drives it in these units times `share`; None where nothing does."""
     train, speeds = scene.drivetrain, units is _SPEEDS
     named = _named(train, units, everywhere=speeds)
-    driving = {path: share * value for path, value in _signals(train, units, named)}
+    driving = {path: _times(share, value) for path, value in _signals(train, units, named)}
     starts = {path: share * value for path, value in _start_speeds(train, named)} if speeds else {}
     given = with_tables(scene.inputs)
     inputs = {name: _times(share, value) for name, value in _inputs(train, given, units, everywhere=speeds)}
@@ -78,6 +84,8 @@ def _times(share: float, given: Any) -> Any:
         return f"{share * float(number)!r} {unit}"
     if isinstance(given, Table):
         return replace(given, y=share * np.asarray(given.y))
+    if isinstance(given, Table2):
+        return replace(given, z=share * np.asarray(given.z))
     if callable(given):
         return lambda t: share * given(t)
     return share * given
@@ -106,13 +114,22 @@ def _named(train: Drivetrain, units: tuple[str, ...], everywhere: bool) -> dict[
 def _signals(train: Drivetrain, units: tuple[str, ...], named: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
     """Signals of sources in these units that neither a Parameter nor an Input of them drives, by path."""
     for c in train.train().components:
-        field = _SIGNALS.get(type(c.block))
-        if field is None or type(c.block).fields[field].unit not in units:
+        field, kind = _SIGNALS.get(type(c.block), ("", ()))
+        if kind != units:
             continue
-        value = c.block.__dict__[field]
-        driven = {leaf.name for leaf in leaves_of(c.block)}
-        if not driven & set(named) and not any(isinstance(leaf, Input) for leaf in leaves_of(c.block)):
-            yield f"{c.path}.{field}", value
+        given = c.block.__dict__[field]
+        parts = {f"[{i}]": one for i, one in enumerate(given)} if isinstance(given, tuple) else {"": given}
+        for part, value in parts.items():
+            leaves = _leaves(value)
+            if not {leaf.name for leaf in leaves} & set(named) and not any(isinstance(leaf, Input) for leaf in leaves):
+                yield f"{c.path}.{field}{part}", value
+
+
+def _leaves(value: Any) -> list[Parameter | Input]:
+    """Parameters and Inputs in a value."""
+    if isinstance(value, Expr):
+        return [leaf.args[0] for leaf in value.leaves() if leaf.op in ("parameter", "input")]
+    return [value] if isinstance(value, (Parameter, Input)) else []
 
 
 def _inputs(

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,6 +26,7 @@ MOST = 40
 """Trains that a scene may take in all; each is built."""
 _PAIRS = 4  # pairs whose changes cancel, that are priced
 _FIRST = 26  # trains that single effects and elements may take
+_TURNS = 3.0  # CPU seconds for times of all rows that are comparable
 _SEARCH = 8  # trains that the search for a set that matters together may take
 
 
@@ -58,6 +60,7 @@ def priced(trials: Trials, progress: Callable[[int, int], object] | None = None)
             rows.insert(i, _row(trials, part, trial))
         for part in _together(trials, tuple(rows)):
             rows.append(_row(trials, part, trials.trial(part.effects), together=True))
+        rows = _timed(trials, rows)
     except KeyboardInterrupt:
         complete = False
         told = {row.name for row in rows}
@@ -94,6 +97,13 @@ def _row(trials: Trials, part: Part, trial: Trial, together: bool = False, patie
         part.name, part.effects, judgement, whole.n_states - trial.n_states, whole.n_switches - trial.n_switches,
         None if trial.message else trial.stats, fastest, trial.message, together,
     )  # fmt: skip
+
+
+def _timed(trials: Trials, rows: Sequence[Row]) -> list[Row]:
+    """The rows with CPU times that are comparable, also with that of the whole train."""
+    known = {row.effects: trials.trial(row.effects) for row in rows if row.stats is not None}
+    trials.whole.stats = trials.take_turns(known.values(), _TURNS)
+    return [replace(row, stats=known[row.effects].stats) if row.effects in known else row for row in rows]
 
 
 def _free_row(trials: Trials, part: Part) -> Row:

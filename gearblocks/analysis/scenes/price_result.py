@@ -9,7 +9,7 @@ from typing import final
 
 from gearblocks.analysis.scenes.scatter import Estimate
 from gearblocks.analysis.scenes.scene import Scene
-from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent, work_of
+from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent, relative_cost, work_of
 from gearblocks.errors import UnknownNameError, did_you_mean
 from gearblocks.pages import small_table
 from gearblocks.simulation.records import Stats
@@ -74,7 +74,7 @@ class Price:
         if row.stats is None or not self.share(row) > GAIN:
             return False
         left = whole.n_states - row.states, whole.n_switches - row.switches
-        return work_of(row.stats, *left) < (1 - GAIN) * whole.work
+        return relative_cost(work_of(row.stats, *left) / whole.work, 1 - self.share(row)) < 1 - GAIN
 
     @property
     def sentence(self) -> str:
@@ -106,9 +106,9 @@ class Price:
         share = self.share(row)
         if row.judgement.verdict in (Verdict.no_quantity, Verdict.no_run, Verdict.no_influence):
             return row.name
-        change = row.judgement.worst + row.judgement.made_of
+        change = row.judgement.worst(self.scene.names) + row.judgement.made_of
         if row.judgement.verdict is Verdict.not_needed and not math.isnan(share):
-            gain = f"saves {100 * share:.0f} %" if self.saves(row) else "saves nothing"
+            gain = f"saves {_saved(share)}" if self.saves(row) else "saves nothing"
             return f"{row.name} ({change}, {gain})"
         return f"{row.name} ({change})"
 
@@ -129,7 +129,7 @@ class Price:
             changes = [""] * len(changes)
         said = found.verdict + found.made_of
         share = self.share(row)
-        saved = "" if math.isnan(share) else f"{100 * share:.0f} %"
+        saved = "" if math.isnan(share) else _saved(share)
         fastest = "" if math.isnan(row.fastest) else f"{row.fastest:.2g} s"
         fewer = ("", "") if row.stats is None else (f"-{row.states}", f"-{row.switches}")
         return (row.name, *changes, said, *fewer, *_counts(row.stats), saved, fastest)
@@ -161,6 +161,11 @@ _HEADS = {
     Verdict.no_quantity: "part of the quantity",
     Verdict.no_run: "not to be taken away",
 }
+
+
+def _saved(share: float) -> str:
+    """A share of the time; never all of it."""
+    return f"{math.floor(1e4 * share) / 100:g} %" if share > 0.99 else f"{100 * share:.0f} %"
 
 
 def _value(value: float, error: float) -> str:

@@ -81,12 +81,23 @@ class Judgement:
         runs = f", {self.members} runs" if self.members else ""
         return f"{runs}, window x {self.stretch}" if self.stretch > 1 else runs
 
-    @property
-    def worst(self) -> str:
-        """The largest of the changes, in words."""
+    def worst(self, names: Sequence[str]) -> str:
+        """The largest of the changes, in words; of which quantity, where there are several. Where their verdicts differ, of
+        each that has the verdict of all."""
+        if len(names) == 1:
+            return percent(self.changes[0], self.errors[0])
+        those = [i for i, one in enumerate(self.verdicts) if one is self.verdict]
+        if len(those) < len(names):
+            return f"{', '.join(self._of(i, names[i]) for i in those)} alone"
         sizes = np.abs(self.changes) + np.where(np.isfinite(self.changes), self.errors, 0.0)
         i = int(np.argmax(np.where(np.isnan(sizes), np.inf, sizes)))
-        return percent(self.changes[i], self.errors[i])
+        return self._of(i, names[i])
+
+    def _of(self, i: int, name: str) -> str:
+        words = percent(self.changes[i], self.errors[i])
+        if math.isfinite(self.changes[i]):
+            return f"{words} of {name}"
+        return f"{name} {words}" if math.isinf(self.changes[i]) else f"{name}, a value that there is in one of them"
 
 
 def percent(change: float, error: float) -> str:
@@ -103,11 +114,18 @@ def work_of(stats: Stats, states: int, switches: int) -> float:
     return (stats.rhs_calls + _JACOBIAN * stats.jacobians) * (1.0 + states + _SWITCH * switches)
 
 
+def relative_cost(work: float, time: float) -> float:
+    """What a run costs beside another: by counted work; by CPU time where that says something quite different, since there is
+    work that is not counted (of the modes of lossy gears and friction)."""
+    return work if math.isnan(time) or work / _UNSEEN <= time <= _UNSEEN * work else time
+
+
 @final
 @dataclass(slots=True, eq=False)
 class Trial:
     """A train without `effects`: its bench, or why there is none (built: whether it was built at all); estimates by stretch
-    of the window; counters of a run as the scene has it, with the least CPU time seen [s]."""
+    of the window; counters and CPU time [s] of a run as the scene has it; beside: CPU time of the whole
+    train at the same time [s]."""
 
     effects: frozenset[str]
     train: Drivetrain
@@ -117,6 +135,7 @@ class Trial:
     lost: bool = False
     estimates: dict[int, Estimate] = field(default_factory=dict)
     stats: Stats = field(default_factory=Stats)
+    beside: float = math.nan
     made: int = 0
 
     @property
@@ -203,8 +222,29 @@ class Trials:
 
     def _run(self, trial: Trial) -> None:
         assert trial.bench is not None
-        found = trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort)
-        trial.stats = trial.bench.timed(self.effort, 3 if found.stats.cpu_seconds < _SHORT else 1)
+        likely = trial is not self.whole and self.whole.estimates[1].scattered
+        trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort, likely)
+        trial.stats = trial.bench.timed(self.effort, 1)
+
+    def take_turns(self, trials: Iterable[Trial], seconds: float = 1.0) -> Stats:
+        """Times trials and the whole train in turns, one after the other, the least of several runs each: what else the
+        machine does at a time slows all of them alike. Those that would take longer than `seconds` stay as they are. Answers
+        the counters of the whole train."""
+        turns = [self.whole, *(trial for trial in trials if trial.effects and not trial.message)]
+        found = [trial.stats for trial in turns]
+        total = max(sum(stats.cpu_seconds for stats in found), 1e-9)
+        for number in range(min(_MOST_TURNS, int(seconds / total))):
+            for i, trial in enumerate(turns):
+                assert trial.bench is not None
+                again = trial.bench.timed(self.effort, 1)
+                found[i] = again if number == 0 or again.cpu_seconds < found[i].cpu_seconds else found[i]
+        for trial, stats in zip(turns[1:], found[1:], strict=True):
+            trial.stats, trial.beside = stats, found[0].cpu_seconds
+        return found[0]
+
+    def cost(self, trial: Trial) -> float:
+        """What a run without some effects costs, relative to one of the whole train."""
+        return relative_cost(trial.work / self.whole.work, trial.stats.cpu_seconds / trial.beside)
 
     # -- judging ------------------------------------------------------------------------------------------------------
 
@@ -283,4 +323,5 @@ class Trials:
 
 _SWITCH = 0.3  # of a state, in CPU time (rattle without friction: 0.55 of the time, 0.50 were it a whole one)
 _JACOBIAN = 10  # right-hand sides that a Jacobian and its factors take
-_SHORT = 0.02  # s; of shorter runs the least CPU time of three is taken
+_MOST_TURNS = 9
+_UNSEEN = 1.5  # what the time differs from counted work by, where work does not see what takes the time

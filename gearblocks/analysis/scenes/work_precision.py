@@ -7,7 +7,7 @@ it is as accurate as the reference, where it pays no more, or where its next run
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from time import thread_time
 from typing import final
@@ -31,6 +31,7 @@ STEPS = tuple(2.0**-k for k in range(7))
 _FOR_REFERENCE, _FOR_ONE = 1 / 8, 1 / 6  # of the budget: a run of the reference; a point of a line
 _TOO_DEAR = 20.0  # times what as much accuracy costs elsewhere: such a line is not followed
 _STOPS = 3  # runs in a row that do not come to their end, after which a line is given up
+_FOR_TURNS, _TURNS = 1 / 20, 5  # of the budget: times of what is chosen, once more; how often
 _SHORT, _REPEATS = 0.1, 3  # CPU seconds of a run that is timed so many times
 
 
@@ -65,9 +66,11 @@ def work_precision_of(bench: Bench, budget: float, progress: Callable[[str], Non
     _fixed(runs, reference)
     points = tuple(point for line in runs.lines for point in line.points)
     found = WorkPrecision(bench.scene, reference, _verified(reference, points), points)
+    found = replace(found, points=runs.again(points, found.chosen()))
+    while new := [point for point in found.offered() if point.line not in found.after]:
+        found = replace(found, after={**found.after, **{point.line: runs.after(point) for point in new}})
     best = found.cheapest_or_none()
-    after = {(point.effort.method, point.effort.locate): runs.after(point) for point in found.offered()}
-    return found if best is None else replace(found, after=after, quantities_cost=runs.extra(best))
+    return found if best is None else replace(found, quantities_cost=runs.extra(best))
 
 
 def _silent(words: str) -> None:
@@ -133,6 +136,16 @@ class _Runs:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", GearblocksWarning)
             return (bench or self.bench).timed(effort, repeats)
+
+    def again(self, points: Sequence[Point], chosen: Sequence[Point]) -> tuple[Point, ...]:
+        """Points, of which those chosen are timed again in turns, where that takes no twentieth of the budget: the least time
+        counts, since what else the machine does at a time makes runs slower, never faster."""
+        total = sum(point.stats.cpu_seconds for point in chosen)
+        least = {point: point.stats for point in chosen}
+        for _ in range(min(_TURNS, int(self.budget * _FOR_TURNS / max(total, 1e-9)))):
+            for point in chosen:
+                least[point] = min(least[point], self.timed(point.effort, 1), key=lambda stats: stats.cpu_seconds)
+        return tuple(replace(point, stats=least.get(point, point.stats)) for point in points)
 
     def affords(self, predicted: float) -> bool:
         """Whether a point that takes so long [CPU s] is made."""

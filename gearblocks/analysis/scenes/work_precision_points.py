@@ -35,6 +35,11 @@ class Point:
     failure: str = ""
 
     @property
+    def line(self) -> tuple[str, bool]:
+        """Method, and whether events are located."""
+        return self.effort.method, self.effort.locate
+
+    @property
     def seconds(self) -> float:
         """CPU time of all its runs [s]."""
         return self.members * self.stats.cpu_seconds

@@ -73,59 +73,70 @@ class WorkPrecision:
     ) -> Choice:
         """The cheapest run whose errors are at most `within` (default: that of the scene), as are those of all tighter ones of
         its method, of one quantity or of all. t_end: for a window that ends there [s], by what the window that follows costs,
-        in which its method was run.
+        in which its method was run; where that one does not come to its end there, another method is chosen.
 
-        Raises ParameterError where no run is as accurate, or none with its method goes on after the window.
+        Raises ParameterError where no run is as accurate, or none that is goes on after the window.
         """
         which = self._number(quantity)
         asked = self.scene.within if within is None else within
-        found = self.cheapest_or_none(asked, which)
+        more = 0.0 if t_end is None else (t_end - self.scene.end) / (self.scene.end - self.scene.begin)
+        found = self.cheapest_or_none(asked, which, lasting=more > 0)
         if found is None:
-            raise ParameterError(self._none(asked, which))
-        times = 1.0
-        if t_end is not None:
-            more = (t_end - self.scene.end) / (self.scene.end - self.scene.begin)
-            times = 1.0 + (self._after(found, t_end) if more > 0 else 1.0) * more
+            none = self.cheapest_or_none(asked, which) is None
+            raise ParameterError(self._none(asked, which) if none else self._none_after(t_end))
+        times = 1.0 + (self._after(found, t_end) if more > 0 else 1.0) * more
         members = found.needed(asked, which)
         times *= members
         stats = found.stats
         return Choice(found.effort, members, found.errors, times * stats.rhs_calls, times * stats.cpu_seconds)
 
-    def cheapest_or_none(self, within: float | None = None, which: slice = slice(None)) -> Point | None:
-        """The point that `cheapest` chooses; None where no run is as accurate."""
+    def cheapest_or_none(
+        self, within: float | None = None, which: slice = slice(None), lasting: bool = False
+    ) -> Point | None:
+        """The point that `cheapest` chooses; None where no run is as accurate. lasting: of methods that are not known to stop
+        in the window that follows."""
         asked = self.scene.within if within is None else within
         sure: list[Point] = []
         for line in self.lines():
+            if lasting and math.isnan(self.after.get(line[0].line, 0.0)):
+                continue
             for point in reversed(line):
                 if not point.within(asked, which):
                     break
                 sure.append(point)
         return min(sure, key=lambda point: point.needed(asked, which) * point.stats.cpu_seconds, default=None)
 
-    def _after(self, point: Point, t_end: float) -> float:
-        words = f"t_end = {t_end:g} s cannot be priced:"
-        after = self.after.get((point.effort.method, point.effort.locate))
+    def _after(self, point: Point, t_end: float | None) -> float:
+        after = self.after.get(point.line)
         if after is None:
             wanted = _share(self.scene.within)
             raise ParameterError(
-                f"{words} it is for what is within the {wanted} of the scene; ask for within <= {wanted}"
-            )
-        if math.isnan(after):
-            raise ParameterError(
-                f"{words} after {self.scene.end:g} s, a run with {point.effort} does not come to its end"
+                f"t_end = {t_end:g} s cannot be priced: it is for what is within the {wanted} of the scene; "
+                f"ask for within <= {wanted}"
             )
         return after
+
+    def _none_after(self, t_end: float | None) -> str:
+        return f"t_end = {t_end:g} s cannot be priced: after {self.scene.end:g} s, no run as accurate comes to its end"
 
     def offered(self) -> list[Point]:
         """The loosest point of each line that `cheapest` chooses from, for any accuracy up to that of the scene."""
         found: dict[tuple[str, bool], Point] = {}
+        for point in self.chosen():
+            found.setdefault(point.line, point)
+        return [*found.values()]
+
+    def chosen(self) -> list[Point]:
+        """The points that `cheapest` chooses, for any accuracy up to that of the scene, loosest first."""
+        found: dict[Point, None] = {}
         for which in (slice(None), *(slice(i, i + 1) for i in range(len(self.scene.names)))):
             known = {float((p.errors[which] + p.noise[which]).max()) for p in self.points}
             for asked in sorted({self.scene.within, *(x for x in known if x <= self.scene.within)}, reverse=True):
-                point = self.cheapest_or_none(asked, which)
-                if point is not None:
-                    found.setdefault((point.effort.method, point.effort.locate), point)
-        return [*found.values()]
+                for lasting in (False, True):
+                    point = self.cheapest_or_none(asked, which, lasting)
+                    if point is not None:
+                        found[point] = None
+        return [*found]
 
     def _none(self, asked: float, which: slice) -> str:
         known = [float((p.errors[which] + p.noise[which]).max()) for p in self.points if not p.failure]
@@ -137,7 +148,7 @@ class WorkPrecision:
         """Points by method and whether events are located, from loose to tight."""
         found: dict[tuple[str, bool], list[Point]] = {}
         for point in self.points:
-            found.setdefault((point.effort.method, point.effort.locate), []).append(point)
+            found.setdefault(point.line, []).append(point)
         return [*found.values()]
 
     def _number(self, quantity: str | None) -> slice:

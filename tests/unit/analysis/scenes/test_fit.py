@@ -125,6 +125,12 @@ def test_where_it_does_not_hold_is_said(pushed: Callable[..., gb.Drivetrain]) ->
     assert "stops holding at load -10 %" in said or "does not hold around the scene (load -10 %" in said
 
 
+def test_what_there_is_not_to_vary_is_said(pushed: Callable[..., gb.Drivetrain]) -> None:
+    found = gb.fit(gb.Scene(pushed(1e-4, -1e-4), t_end=0.1, quantity=gb.last("disc.w"), within=0.01))
+    assert found.dropped and {one.words for one in found.around} == {"load -10 %", "load +10 %"}
+    assert found.sentence.endswith("it holds at load -10 %, load +10 %; the train has no speed to vary.")
+
+
 @pytest.mark.long
 def test_a_scene_that_scatters_is_told_to_be_a_mean(hammer: Callable[..., gb.Drivetrain]) -> None:
     rig = hammer()

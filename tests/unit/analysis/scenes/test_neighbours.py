@@ -78,6 +78,34 @@ def test_a_load_is_scaled_however_it_is_given(tau: Any, more: Any) -> None:
     assert _last(around["load +10 %"]) == pytest.approx(6.6, rel=1e-6)
 
 
+MAP = gb.Table2([0.0, 100.0], [0.0, 1.0], [[0.0, 2.0], [0.0, 2.0]])
+
+
+@pytest.mark.parametrize(
+    ("source", "what", "expected"),
+    [
+        (gb.SpeedLoad(coeffs=(0.5, 0.0, 0.0), direction="backward"), "load", -0.5),
+        (gb.SpeedLoad(coeffs=(gb.Parameter("dry", 0.5, "N m"), 0.0, 0.0), direction="backward"), "load", -0.5),
+        (gb.SpeedLoad(coeffs=(0.0, gb.Parameter("oil", 0.25, "N m s/rad"), 0.0)), "load", -0.5),
+        (gb.Engine(torque_map=MAP, throttle=1.0), "load", 2.0),
+        (gb.EddyCurrentBrake(tau_nominal=0.5, w_nominal=2.0), "load", -0.5),
+        (gb.Governor(target=10.0, gain=0.05), "speed", 0.4),
+    ],
+    ids=["load over speed", "its Parameter", "its slope", "engine", "eddy currents", "governor"],
+)
+def test_loads_over_speed_engines_and_governors_are_scaled(source: gb.Block, what: str, expected: float) -> None:
+    rig = _rig(None)
+    rig.connect(rig.add("source", source).flange, rig["disc"].b)
+    start = {"disc.w": 2.0, "end.w": 2.0}
+    around = _around(rig, initial=start)
+    output = "source.command" if isinstance(source, gb.Governor) else "source.torque"
+    for share in (0.9, 1.1):
+        scene = around[f"{what} {100 * (share - 1):+.0f} %"]
+        run = gb.simulate(scene.drivetrain, t_end=1e-9, initial=start, parameters=scene.parameters)
+        rest = 0.05 * 2.0 if what == "speed" else 0.0  # the governed speed at the start is that of `start`
+        assert run[output][0] + rest == pytest.approx(share * (expected + rest), rel=1e-6)
+
+
 def test_what_is_no_load_stays() -> None:
     rig = _rig(3.0, capacity=gb.Input("pressure", start=0.5, unit="N m"))
     scene = _around(rig, inputs={"pressure": 0.7})["load -10 %"]

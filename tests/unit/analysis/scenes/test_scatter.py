@@ -40,6 +40,16 @@ def test_a_motion_that_scatters_is_a_mean_though_two_runs_agree(hammer_scene: gb
     assert (found.errors >= 0.3 * spread * np.abs(found.values)).all()
 
 
+def test_where_a_train_alike_scatters_it_is_asked_at_no_finer_tolerance(
+    hammer_scene: gb.Scene, discs_scene: gb.Scene
+) -> None:
+    bench = bench_of(hammer_scene)
+    found, slower = (estimate(bench, hammer_scene.within, Effort(), likely) for likely in (True, False))
+    assert found.scattered and found.runs < slower.runs and len(found.members) == len(slower.members)
+    assert (np.abs(found.values - slower.values) <= 2 * (found.errors + slower.errors)).all()
+    assert not estimate(bench_of(discs_scene), discs_scene.within, Effort(), likely=True).scattered
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("runs", [4, pytest.param(16, marks=pytest.mark.long)])
 def test_of_20_intervals_17_and_more_cover_the_mean_of_many_runs(

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import csv
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.analysis.scenes import work_precision
 from gearblocks.analysis.scenes.bench import Effort, bench_of
 from gearblocks.analysis.scenes.work_precision_points import Point
 from gearblocks.analysis.scenes.work_precision_result import WorkPrecision
@@ -129,6 +132,27 @@ def test_a_longer_window_is_priced_by_what_comes_not_by_what_has_passed() -> Non
     measured = gb.simulate(rig, t_end=6.0, inputs=pulses, **how).stats.rhs_calls
     assert measured / 1.5 < twice.rhs_calls < 1.5 * measured
     assert measured > 3 * once.rhs_calls
+
+
+def test_a_longer_window_is_for_a_method_that_comes_to_its_end_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    stops: list[tuple[str, bool]] = []  # what is cheapest in the window stops after it, and one more
+
+    def after(runs: Any, point: Point) -> float:
+        stops.append(point.line)
+        return math.nan if len(stops) <= 2 else 1.0
+
+    monkeypatch.setattr(work_precision._Runs, "after", after)
+    rig = swing()
+    rig.chain(rig["disc"], rig.add("drag", gb.SpeedLoad(coeffs=(0.0, 0.01, 0.0))))
+    found = gb.work_precision(gb.Scene(rig, t_end=1.0, quantity=gb.rms("disc.w"), within=0.01), budget=3.0)
+    for within in (0.01, 1e-4):
+        other = found.cheapest(within, t_end=2.0)
+        assert (other.effort.method, other.effort.locate) not in stops[:2] and (other.errors <= within).all()
+        assert other.rhs_calls == 2 * next(p for p in found.points if p.effort == other.effort).stats.rhs_calls
+    assert found.cheapest().effort.method in {method for method, _ in stops}
+    none = replace(found, after={p.line: math.nan for p in found.points})
+    with pytest.raises(gb.ParameterError, match=r"after 1 s, no run as accurate comes to its end"):
+        none.cheapest(t_end=2.0)
 
 
 def test_a_budget_that_the_reference_takes_leaves_no_runs(scene: gb.Scene) -> None:
