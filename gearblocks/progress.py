@@ -12,6 +12,9 @@ _PATIENCE = 2.0
 _FIRST, _LONGEST = 10.0, 300.0
 """Seconds before the first line of a log, and at most between two of them; the distance doubles from the one to the other."""
 
+_TELLING, _REPORTS = 0.1, 5
+"""The share that tells how long the rest takes, or so many reports before it."""
+
 
 @final
 class Progress:
@@ -21,6 +24,7 @@ class Progress:
     def __init__(self, name: str, hint: str = "", began: float | None = None) -> None:
         self._name, self._hint = name, hint
         self._start = time.monotonic() if began is None else began
+        self._told: list[tuple[float, float]] = []
         self._next, self._distance = _FIRST, _FIRST
         self._width = 0
         self._shown: Any = None
@@ -29,7 +33,7 @@ class Progress:
         spent = time.monotonic() - self._start
         if share <= 0:
             return
-        text = f"{self._name}: {words or f'{100 * share:.0f} % done'}, {_duration(spent * (1 - share) / share)} left"
+        text = f"{self._name}: {words or f'{100 * share:.0f} % done'}{self._left(share, spent)}"
         if sys.stderr.isatty():
             if spent > _PATIENCE:
                 self._line(text + self._hint)
@@ -40,6 +44,15 @@ class Progress:
             self._distance = min(2 * self._distance, _LONGEST)
             self._next = spent + self._distance
             print(text, file=sys.stderr, flush=True)
+
+    def _left(self, share: float, spent: float) -> str:
+        """How long the rest takes, where enough is done to tell; the first bit of work has its preparations in it."""
+        if len(self._told) < _REPORTS:
+            self._told.append((share, spent))
+        first, then = (0.0, 0.0) if share >= _TELLING else self._told[0]
+        if (share < _TELLING and len(self._told) < _REPORTS) or share <= first:
+            return ""
+        return f", {_duration((spent - then) * (1 - share) / (share - first))} left"
 
     def close(self) -> None:
         """Clears what was shown; lines of a log stay."""

@@ -59,12 +59,14 @@ class Controller(gb.Block):
 
     flange = gb.Flange("wheels, whose speed is sensed")
     throttle: Any = gb.signal("throttle, 0 to 1")
-    up: Any = gb.param("speeds of the upshifts without throttle", "rad/s", many=True)
-    up_throttle: Any = gb.param("what full throttle adds to them", "rad/s", many=True)
-    down: Any = gb.param("speeds of the downshifts without throttle", "rad/s", many=True)
-    down_throttle: Any = gb.param("what full throttle adds to them", "rad/s", many=True)
-    shift_time: float = gb.param("duration of a shift", "s", gt=0)
-    first, second, third = (gb.State(f"progress of the shift from {i} to {i + 1}") for i in (1, 2, 3))
+    up: Any = gb.param("speeds of the upshifts without throttle", "rad/s", many=True, symbol="omega_up")
+    up_throttle: Any = gb.param("what full throttle adds to them", "rad/s", many=True, symbol="a_up")
+    down: Any = gb.param("speeds of the downshifts without throttle", "rad/s", many=True, symbol="omega_down")
+    down_throttle: Any = gb.param("what full throttle adds to them", "rad/s", many=True, symbol="a_down")
+    shift_time: float = gb.param("duration of a shift", "s", gt=0, symbol="T_s")
+    first, second, third = (
+        gb.State(f"progress of the shift from {i} to {i + 1}", symbol=f"s_{i}{i + 1}") for i in (1, 2, 3)
+    )
 
     def physics(self, s: Any) -> Iterator[Any]:
         """The states of the shifts and the pressures that follow from them."""

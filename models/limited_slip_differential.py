@@ -32,10 +32,10 @@ class Tyre(gb.Block):
 
     wheel, road = gb.Flange("wheel"), gb.Flange("the car over the road", slider=True)
     radius: float = gb.param("rolling radius", "m", gt=0)
-    normal: float = gb.param("normal force", "N", gt=0)
+    normal: float = gb.param("normal force", "N", gt=0, symbol="F_z")
     stiffness: float = gb.param("force per slip at small slip", "N", gt=0)
-    grip: Any = gb.signal("friction of the road")
-    low_speed: float = gb.param("speed below which the slip is viscous", "m/s", default=0.3, gt=0)
+    grip: Any = gb.signal("friction of the road", symbol="mu")
+    low_speed: float = gb.param("speed below which the slip is viscous", "m/s", default=0.3, gt=0, symbol="v_0")
 
     def physics(self, s: Any) -> Iterator[Any]:
         """The force between wheel and car."""

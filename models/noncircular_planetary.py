@@ -87,7 +87,7 @@ class Planet(gb.Block):
 
     w: Any = gb.param("frequency of the excitation", gt=0)
     xi: Any = gb.param("damping ratio", ge=0)
-    cd: Any = gb.param("factor of the damping", default=2.0)
+    cd: Any = gb.param("factor of the damping", default=2.0, symbol="c_d")
     F: Any = gb.param("load")
     friction: Sliding | None = gb.effect("friction of the teeth")
     variation: Variation | None = gb.effect("stiffness over time")

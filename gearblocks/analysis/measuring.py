@@ -146,9 +146,12 @@ def _answered(answer: Any) -> str:
     return f"of kind {type(answer).__name__}" + (f" (of which {', '.join(numbers)} are numbers)" if numbers else "")
 
 
-def function_name(function: Any) -> str:
-    """What a function of a trajectory is called."""
-    return str(getattr(function, "__name__", type(function).__name__))
+def function_name(function: Any, unnamed: str = "lambda") -> str:
+    """What a function of a trajectory is called; unnamed: what a lambda is."""
+    while isinstance(function, functools.partial):
+        function = function.func
+    name = str(getattr(function, "__name__", type(function).__name__))
+    return unnamed if name == "<lambda>" else name
 
 
 def widths_of(task: Task, points: Array) -> tuple[int, ...]:

@@ -19,7 +19,7 @@ from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
-from gearblocks.language.tidy import Tidy
+from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
 from gearblocks.running import build
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
@@ -43,6 +43,7 @@ _REAL = 1e-9  # a smaller imaginary part, relative to the eigenvalue, is roundin
 
 
 @final
+@told
 @dataclass(frozen=True, eq=False)
 class Modes(metaclass=Tidy):
     """Modes in rising order of frequency, free rotations first.

@@ -183,7 +183,7 @@ def why(sim: Simulation, program: Program, code: Code) -> str:
     """Words for a run that could not go on."""
     if code == Code.ERR_MEMORY:
         return f"t = {sim.counters.t:.9g} s: the record of this run fills the memory that it may take"
-    name, cause, remedy = reason(program, code, sim.report, sim.parameters)
+    name, cause, remedy = reason(program, code, sim)
     if code == Code.ERR_CALLBACK and sim.error is not None:
         remedy = f"{type(sim.error).__name__}: {sim.error}"
     return str(SimulationError(sim.report.t, name, cause, remedy))

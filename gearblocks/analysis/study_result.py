@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import StorageError, UnknownNameError, did_you_mean
 from gearblocks.files import reason, replacing, write_bytes
-from gearblocks.language.tidy import Tidy
+from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ class Failure(NamedTuple):
 
 
 @final
+@told
 @dataclass(frozen=True, slots=True, eq=False)
 class Study(metaclass=Tidy):
     """Quantities over the points of a study.

@@ -110,8 +110,13 @@ def _given_starts(model: Model, s: Settings) -> frozenset[int]:
 
 
 def names_of(measures: Sequence[Measure]) -> tuple[str, ...]:
-    """Names of the columns."""
-    return tuple(m.name if isinstance(m, Quantity) else function_name(m) for m in measures)
+    """Names of the columns; of several functions without a name of their own quantity_1, quantity_2, ..."""
+    names = [m.name if isinstance(m, Quantity) else function_name(m, "quantity") for m in measures]
+    unnamed = [i for i, name in enumerate(names) if name == "quantity"]
+    if len(unnamed) > 1:
+        for number, i in enumerate(unnamed, 1):
+            names[i] = f"quantity_{number}"
+    return tuple(names)
 
 
 def measures_of(quantity: Any, asks: str) -> tuple[Measure, ...]:
@@ -127,7 +132,10 @@ def measures_of(quantity: Any, asks: str) -> tuple[Measure, ...]:
     names = names_of(given)
     for name in names:
         if names.count(name) > 1:
-            raise ParameterError(f"the quantity '{name}' is given twice: each makes a column of its name")
+            raise ParameterError(
+                f"the quantity '{name}' is given twice: each makes a column of its name; leave one out, or let a function be "
+                "defined (def) by another name"
+            )
     return given
 
 

@@ -42,10 +42,11 @@ class Backlash(Effect):
         default=None,
         many=True,
         each=("coefficient of x^{odd} in half gaps",),
+        symbol="g",
     )
     degree: int | None = option("degree of the fitted polynomial", default=None)
     interval: float = option("half width of the fit in half gaps", default=2.0)
-    width: Value | None = param("rounding of the corners", "m", default=None, gt=0, of_deflection=True)
+    width: Value | None = param("rounding of the corners", "m", default=None, gt=0, of_deflection=True, symbol="delta")
     gaps: tuple[float, ...] | None = option("gap of each tooth on the drive side", "m", default=None, many=True)
     coast_gaps: tuple[float, ...] | None = option("gap of each tooth on the coast side", "m", default=None, many=True)
 

@@ -109,8 +109,8 @@ class Creep(Effect):
     """
 
     stiffness: Value = param("torque on a per relative slip", "N m", gt=0)
-    low_speed: Value = param("speed of a below which the slip is viscous", "rad/s", gt=0)
-    limit: Value | None = param("largest torque on a", "N m", default=None, gt=0)
+    low_speed: Value = param("speed of a below which the slip is viscous", "rad/s", gt=0, symbol="omega_0")
+    limit: Value | None = param("largest torque on a", "N m", default=None, gt=0, symbol="T_max")
 
 
 class BeltDrive(Block):
@@ -185,7 +185,7 @@ class UniversalJoint(Block):
     """
 
     a, b = Flange("driving fork"), Flange("driven fork")
-    angle: Value = param("angle between the shafts", "rad", gt=-1.5, lt=1.5)
+    angle: Value = param("angle between the shafts", "rad", gt=-1.5, lt=1.5, symbol="beta")
     phase: Value | None = param("position of the fork of a at phi_a = 0", "rad", default=None)
 
     def excitations(self) -> Iterator[Excitation]:

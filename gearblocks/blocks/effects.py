@@ -177,7 +177,7 @@ class Square(Effect):
     """
 
     ripple: Value = param("half of the jump, relative to the mean", ge=0)
-    contact_ratio: Value = param("transverse contact ratio, between 1 and 2", gt=1, lt=2)
+    contact_ratio: Value = param("transverse contact ratio, between 1 and 2", gt=1, lt=2, symbol="epsilon")
     driven_by: Signal = signal("the frequency of the excitation", "rad/s")
     phase: Value | None = param("phase added to theta", "rad", default=None)
     angle = State("integrated phase", "rad")
@@ -228,11 +228,11 @@ class ToothFriction(Effect):
 
     mu: Value = param("coefficient of friction", ge=0)
     direction: str = option("'geometry' or 'square_wave'", default="geometry")
-    wave: Signal | None = signal("direction of sliding, +1 or -1, for 'square_wave'", default=None)
+    wave: Signal | None = signal("direction of sliding, +1 or -1, for 'square_wave'", default=None, symbol="lambda")
     driven_by: Signal = signal("'angle', or the mesh frequency", "rad/s", default="angle")
     phase: Value | None = param("phase added to theta", "rad", default=None)
     flank: str = option("loaded flank: 'drive' or 'coast'", default="drive")
-    transition: Value | None = param("sliding speed where friction takes hold", "m/s", default=None, gt=0)
+    transition: Value | None = param("sliding speed where friction takes hold", "m/s", default=None, gt=0, symbol="v_0")
     angle = State("integrated phase", "rad")
 
     def problems(self) -> Iterator[str]:

@@ -22,10 +22,10 @@ from gearblocks.language.signals import Signal, Table, Value
 
 CAPACITY: Any = signal("torque that it transmits while it slips", "N m", default=None, ge=0, over="slip")
 MU: Any = signal("coefficient of friction, also over abs(slip)", default=None, ge=0, over="slip")
-FORCE_MAX: Any = param("largest normal force", "N", default=None, ge=0)
-ENGAGEMENT: Any = signal("normal force over the largest one", default=None)
-GEOMETRY: Any = param("friction torque over mu times normal force", "m", default=1.0, gt=0)
-PEAK: Any = param("largest torque while stuck over the slip torque at rest", default=1.0, ge=1)
+FORCE_MAX: Any = param("largest normal force", "N", default=None, ge=0, symbol="F_max")
+ENGAGEMENT: Any = signal("normal force over the largest one", default=None, symbol="f_n")
+GEOMETRY: Any = param("friction torque over mu times normal force", "m", default=1.0, gt=0, symbol="r_e")
+PEAK: Any = param("largest torque while stuck over the slip torque at rest", default=1.0, ge=1, symbol="p")
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +103,12 @@ def _leaf_at(slip: float, leaf: Expr) -> float:
     return float(leaf.args[0].si)
 
 
+def _is_over_time(value: Any) -> bool:
+    """Whether a signal is a table over time."""
+    found = as_expr(value) if isinstance(value, (Table, Expr)) else None
+    return found is not None and found.op == "table" and as_expr(found.args[1]).op == "time"
+
+
 def over_slip(s: Any, field: str, size: Any) -> Any:
     """A field over abs(slip) = size, with powers of it that have a value where a step looks past 0."""
     import sympy as sp
@@ -120,7 +126,9 @@ def dry_friction(block: Any, s: Any, slip: Any) -> DryFriction:
 
     if block.capacity is not None:
         if not _is_over_slip(block.capacity):
-            capacity = s.named("C", s.capacity, "torque that it transmits while it slips", "N m")
+            capacity = s.capacity
+            if not _is_over_time(block.capacity):  # a table over time is C(t) itself
+                capacity = s.named("C", capacity, "torque that it transmits while it slips", "N m")
             return DryFriction(capacity, capacity, s.peak * capacity)
         sliding, held = over_slip(s, "capacity", sp.Abs(slip)), s.local("capacity", slip=sp.Integer(0))
         sliding = s.named("C", sliding, "torque that it transmits while it slips", "N m")
@@ -242,8 +250,8 @@ class Stribeck(Effect):
         bearing = gb.BearingFriction(coulomb=0.2, viscous=1e-3, stribeck=gb.Stribeck(rise=0.1, speed=2.0))
     """
 
-    rise: Value = param("friction torque at rest above the Coulomb part", "N m", ge=0)
-    speed: Value = param("speed at which 1/e of the rise is left", "rad/s", gt=0)
+    rise: Value = param("friction torque at rest above the Coulomb part", "N m", ge=0, symbol="T_S")
+    speed: Value = param("speed at which 1/e of the rise is left", "rad/s", gt=0, symbol="omega_S")
 
 
 class FluidDrag(Effect):
@@ -284,17 +292,19 @@ class BearingFriction(Block):
     housing = Flange("housing", ground=True, slider=None)
     torque: Table | Expr | None = signal(
         "friction torque over abs(w): a gb.Table, or an expression of gb.slip", "N m", default=None,
-        belongs_to="friction", over="slip",
+        belongs_to="friction", over="slip", symbol="M",
     )  # fmt: skip
     coulomb: Value | None = param(
-        "friction torque that does not depend on speed", "N m", default=None, ge=0, belongs_to="coulomb"
+        "friction torque that does not depend on speed", "N m", default=None, ge=0, belongs_to="coulomb", symbol="T_C"
     )
-    viscous: Value | None = param("friction torque per speed", "N m s/rad", default=None, ge=0, belongs_to="viscous")
+    viscous: Value | None = param(
+        "friction torque per speed", "N m s/rad", default=None, ge=0, belongs_to="viscous", symbol="c"
+    )
     stribeck: Stribeck | None = effect("more friction near rest", default=None)
     windage: FluidDrag | None = effect("drag in the air", default=None)
     churning: FluidDrag | None = effect("drag in the oil", default=None)
     peak: Value | None = param(
-        "largest torque while stuck over the slip torque at rest", default=1.0, ge=1, belongs_to="coulomb"
+        "largest torque while stuck over the slip torque at rest", default=1.0, ge=1, belongs_to="coulomb", symbol="p"
     )
     phi_rel = State("angle from the housing", "rad")
     heat: HeatPort | None = HEAT

@@ -119,7 +119,7 @@ class DogClutch(Block):
     """
 
     a, b = Flange("one side", slider=None), Flange("other side", slider=None)
-    engaged: Signal = signal("locked while > 0")
+    engaged: Signal = signal("locked while > 0", symbol="u")
     phi_rel = State("relative angle", "rad")
     impulse = State("impulse of the last closing", "N m s")
     heat: HeatPort | None = HEAT
@@ -153,7 +153,7 @@ class Synchronizer(Block):
     """
 
     a, b = Flange("one side", slider=None), Flange("other side", slider=None)
-    engaged: Signal = signal("asks for the teeth while > 0")
+    engaged: Signal = signal("asks for the teeth while > 0", symbol="u")
     capacity: Signal | None = CAPACITY
     mu: Signal | None = MU
     force_max: Value | None = FORCE_MAX

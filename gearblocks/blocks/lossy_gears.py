@@ -65,6 +65,7 @@ class LossyGear(Block):
         ge=0,
         belongs_to="loss",
         each=("bearing torque at a where a drives", "bearing torque at a where b drives"),
+        symbol="T_b",
     )
     loss_table: tuple[tuple[float, ...], ...] | None = option(
         "losses by speed: rows of (abs(w_a), eta1, eta2, tau1, tau2)", default=None, many=True, belongs_to="loss"

@@ -31,9 +31,9 @@ class EddyCurrentBrake(Block):
 
     flange = Flange("braked flange", slider=None)
     housing = Flange("housing", ground=True, slider=None)
-    tau_nominal: Value = param("largest torque", "N m", ge=0)
-    w_nominal: Value = param("speed of the largest torque", "rad/s", gt=0)
-    excitation: Signal = signal("factor on the torque", default=1.0)
+    tau_nominal: Value = param("largest torque", "N m", ge=0, symbol="T_nom")
+    w_nominal: Value = param("speed of the largest torque", "rad/s", gt=0, symbol="omega_nom")
+    excitation: Signal = signal("factor on the torque", default=1.0, symbol="u")
     alpha: Value | None = param(
         "temperature coefficient of the resistance at T_ref", "1/K", default=None, belongs_to="heat"
     )
@@ -158,13 +158,13 @@ class Governor(Block):
     """
 
     flange = Flange("sensed flange")
-    target: Signal = signal("target speed", "rad/s")
+    target: Signal = signal("target speed", "rad/s", symbol="omega_ref")
     gain: Value = param("command per speed error", "s/rad", gt=0)
-    integral_gain: Value | None = param("command per integrated speed error", "1/rad", default=None, ge=0)
-    time_constant: Value | None = param("time constant of the actuator", "s", default=None, gt=0)
-    bias: Value = param("command at the target speed", default=0.0)
-    lower: Value = param("least command", default=0.0)
-    upper: Value = param("largest command", default=1.0)
+    integral_gain: Value | None = param("command per integrated speed error", "1/rad", default=None, ge=0, symbol="K_I")
+    time_constant: Value | None = param("time constant of the actuator", "s", default=None, gt=0, symbol="T_a")
+    bias: Value = param("command at the target speed", default=0.0, symbol="u_0")
+    lower: Value = param("least command", default=0.0, symbol="y_min")
+    upper: Value = param("largest command", default=1.0, symbol="y_max")
     integral = State("integral part of the command")
     actuator = State("command behind the actuator")
 

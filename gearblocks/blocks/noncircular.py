@@ -47,7 +47,9 @@ class NonCircularGear(Block):
     law: RatioLaw = option("ratio law, a gb.RatioLaw")
     external: bool = option("whether b turns against a")
     phase: Signal | None = signal("added to the angle of gear 1", "rad", default=None)
-    filter: Value | None = param("cut-off frequency of a filter of the phase", "rad/s", default=None, gt=0)
+    filter: Value | None = param(
+        "cut-off frequency of a filter of the phase", "rad/s", default=None, gt=0, symbol="omega_c"
+    )
     filtered_phase = State("phase behind the filter", "rad")
     filtered_rate = State("its rate", "rad/s")
     start_angle = State("F of the phase at the start", "rad")

@@ -42,12 +42,12 @@ class Shaft(Block):
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
     k: Signal | None = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
     torque: Signal | None = signal(
-        "restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist"
+        "restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist", symbol="M"
     )
     c: Value | None = param("torsional damping", "N m s/rad", default=None, ge=0, belongs_to="damping")
     damping_ratio: Value | None = param("damping ratio on the bodies beside", default=None, ge=0, belongs_to="damping")
     allow_negative: bool = option("admit k < 0", default=False)
-    rest: Value | None = param("twist without load", "rad", default=None, belongs_to="compliance")
+    rest: Value | None = param("twist without load", "rad", default=None, belongs_to="compliance", symbol="theta_0")
     phi_rel0: Value | None = param("start twist", "rad", default=None, belongs_to="compliance", start="relative angle")
     w_rel0: Value | None = param(
         "start rate of the twist", "rad/s", default=None, belongs_to="compliance", start="relative speed"
@@ -223,9 +223,15 @@ class Lash(Block):
     half_gap: Value | None = param(
         "half of the free play", "rad", default=None, ge=0, belongs_to="backlash", or_one_of=("lower", "upper")
     )
-    lower: Value | None = param("least twist without torque", "rad", default=None, belongs_to="backlash")
-    upper: Value | None = param("largest twist without torque", "rad", default=None, belongs_to="backlash")
-    rest: Value | None = param("twist that the others are measured from", "rad", default=None, belongs_to="compliance")
+    lower: Value | None = param(
+        "least twist without torque", "rad", default=None, belongs_to="backlash", symbol="theta_min"
+    )
+    upper: Value | None = param(
+        "largest twist without torque", "rad", default=None, belongs_to="backlash", symbol="theta_max"
+    )
+    rest: Value | None = param(
+        "twist that the others are measured from", "rad", default=None, belongs_to="compliance", symbol="theta_0"
+    )
     phi_rel0: Value | None = param("start twist", "rad", default=None, belongs_to="compliance", start="relative angle")
     w_rel0: Value | None = param(
         "start rate of the twist", "rad/s", default=None, belongs_to="compliance", start="relative speed"

@@ -64,8 +64,8 @@ class HardStop(Block):
 
     a = Flange("stopped shaft", slider=None)
     b = Flange("other shaft, or the ground", ground=True, spare=True, slider=None)
-    lower: Value | None = param("least relative angle", "rad", default=None)
-    upper: Value | None = param("largest relative angle", "rad", default=None)
+    lower: Value | None = param("least relative angle", "rad", default=None, symbol="theta_min")
+    upper: Value | None = param("largest relative angle", "rad", default=None, symbol="theta_max")
     restitution: Value = param("speed after an impact over the speed before", ge=0, le=1)
     impulse = State("impulse of the last impact", "N m s")
     impacts = State("number of impacts")

@@ -28,7 +28,7 @@ class ThermalMass(Block):
 
     C: Value = param("heat capacity", "J/K", gt=0)
     T0: Value = param("temperature at the start", "K", default=293.15, ge=0)
-    received: Signal | None = signal("heat received from elsewhere since the start", "J", default=None)
+    received: Signal | None = signal("heat received from elsewhere since the start", "J", default=None, symbol="Q")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """Its temperature, from the heat that states of other parts count."""
@@ -57,8 +57,10 @@ class ThermalConductance(Block):
     G: Signal = signal("thermal conductance", "W/K", ge=0)
     a: Signal = signal("one temperature: a value, or the name of a ThermalMass", "K", ge=0, part="T")
     b: Signal = signal("the other temperature: a value, or the name of a ThermalMass", "K", ge=0, part="T")
-    at_start: Signal | None = signal("difference of the temperatures at the start", "K", default=None)
-    since: Signal | None = signal("what it has grown by since", "K", default=None)
+    at_start: Signal | None = signal(
+        "difference of the temperatures at the start", "K", default=None, symbol="vartheta_0"
+    )
+    since: Signal | None = signal("what it has grown by since", "K", default=None, symbol="vartheta")
     passed = State("heat passed on", "J", accumulates=True)
 
     def physics(self, s: Any) -> Iterator[Contribution]:

@@ -17,13 +17,19 @@ from gearblocks.language.watches import Watch
 GRAVITY = 9.80665  # m/s2, standard
 
 
-ROLLING: Any = signal("rolling resistance over normal force", default=None, ge=0, belongs_to="rolling", over="distance")
-ROLLING_SPEED: Any = param(
-    "speed below which rolling resistance fades", "m/s", default=None, gt=0, belongs_to="rolling"
+ROLLING: Any = signal(
+    "rolling resistance over normal force", default=None, ge=0, belongs_to="rolling", over="distance", symbol="f_r"
 )
-DRAG_AREA: Any = param("drag coefficient times front area", "m2", default=None, ge=0, belongs_to="drag")
-WIND: Any = signal("speed of the air along the road, > 0 from behind", "m/s", default=None, over="distance")
-GRADE: Any = signal("angle of the slope, over time or gb.distance", "rad", default=None, over="distance")
+ROLLING_SPEED: Any = param(
+    "speed below which rolling resistance fades", "m/s", default=None, gt=0, belongs_to="rolling", symbol="v_r"
+)
+DRAG_AREA: Any = param("drag coefficient times front area", "m2", default=None, ge=0, belongs_to="drag", symbol="A_d")
+WIND: Any = signal(
+    "speed of the air along the road, > 0 from behind", "m/s", default=None, over="distance", symbol="v_w"
+)
+GRADE: Any = signal(
+    "angle of the slope, over time or gb.distance", "rad", default=None, over="distance", symbol="alpha"
+)
 
 
 class TyreSlip(Effect):
@@ -39,9 +45,9 @@ class TyreSlip(Effect):
     """
 
     stiffness: Value = param("force per slip at small slip", "N", gt=0)
-    grip: Value = param("largest force over normal force", gt=0)
-    low_speed: Value = param("speed below which the slip is viscous", "m/s", gt=0)
-    shape: Value = param("shape factor C", default=1.0, ge=1, le=2)
+    grip: Value = param("largest force over normal force", gt=0, symbol="mu")
+    low_speed: Value = param("speed below which the slip is viscous", "m/s", gt=0, symbol="v_0")
+    shape: Value = param("shape factor C", default=1.0, ge=1, le=2, symbol="C")
 
 
 class Vehicle(Block):
@@ -71,13 +77,13 @@ class Vehicle(Block):
     flange = Flange("axle of the driven wheels")
     mass: Value = param("mass", "kg", gt=0)
     wheel_radius: Value = param("rolling radius of the wheels", "m", gt=0)
-    wheel_inertia: Value | None = param("moment of inertia of all wheels", "kg m2", default=None, ge=0)
+    wheel_inertia: Value | None = param("moment of inertia of all wheels", "kg m2", default=None, ge=0, symbol="J_w")
     drag_area: Value | None = DRAG_AREA
     rolling: Signal | None = ROLLING
     rolling_speed: Value | None = ROLLING_SPEED
     grade: Signal | None = GRADE
     wind: Signal | None = WIND
-    air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0)
+    air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0, symbol="rho")
     tyre: TyreSlip | None = effect("slip of the tyres", default=None)
     v = State("speed of the vehicle", "m/s")
     s = State("distance", "m")
@@ -158,7 +164,7 @@ class Chassis(Block):
     rolling_speed: Value | None = ROLLING_SPEED
     grade: Signal | None = GRADE
     wind: Signal | None = WIND
-    air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0)
+    air_density: Value = param("density of the air", "kg/m3", default=1.2, ge=0, symbol="rho")
     s0: Value | None = param("start position", "m", default=None, start="angle")
     v0: Value | None = param("start speed", "m/s", default=None, start="speed")
     heat: HeatPort | None = HEAT
@@ -207,10 +213,10 @@ class Tyre(Block):
     vehicle = Flange("vehicle", slider=True)
     radius: Value = param("rolling radius", "m", gt=0)
     stiffness: Value = param("force per slip at small slip", "N", gt=0)
-    grip: Signal = signal("largest force over normal force", ge=0)
-    low_speed: Value = param("speed below which the slip is viscous", "m/s", gt=0)
-    normal_force: Signal = signal("load on the road", "N", ge=0)
-    shape: Value = param("shape factor C", default=1.0, ge=1, le=2)
+    grip: Signal = signal("largest force over normal force", ge=0, symbol="mu")
+    low_speed: Value = param("speed below which the slip is viscous", "m/s", gt=0, symbol="v_0")
+    normal_force: Signal = signal("load on the road", "N", ge=0, symbol="F_z")
+    shape: Value = param("shape factor C", default=1.0, ge=1, le=2, symbol="C")
     heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:

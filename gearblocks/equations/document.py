@@ -78,8 +78,10 @@ class Nomenclature:
         for symbol, *texts, path in rows:
             cells = [textwrap.wrap(text, width) for text, width in zip(texts, wide[1:], strict=True)]
             lines = itertools.zip_longest(*cells, _at_dots(path, room), fillvalue="")
+            wider = len(symbol) > wide[0]  # a line of its own: the columns stay
+            found += [f"    {symbol}"] * wider
             for i, (words, value, ends) in enumerate(lines):
-                begins = "" if i else symbol
+                begins = "" if i or wider else symbol
                 found.append(f"    {begins:<{wide[0]}}  {words:<{wide[1]}}  {value:<{wide[2]}}  {ends}".rstrip())
         return "\n".join(found)
 

@@ -14,6 +14,7 @@ from gearblocks.equations.document import Document, Nomenclature, Section
 from gearblocks.equations.families import families, names_in, of_entries, of_lines, of_parts
 from gearblocks.equations.latex import latex
 from gearblocks.equations.linearized import sections as of_small_deviations
+from gearblocks.equations.long_numbers import with_constants
 from gearblocks.equations.names import Name
 from gearblocks.equations.nomenclature import Entry
 from gearblocks.equations.switched_constraints import SwitchedConstraint, constraint_torques, wanted
@@ -203,7 +204,7 @@ class Equations:
             found += [functions] if functions is not None else []
             nomenclature = of_entries(alike, entries, found)
             if not (apart := alike.unexplained(found, nomenclature)):
-                return Document(f"Equations of motion of '{self.name}'", tuple(found), nomenclature)
+                return Document(f"Equations of motion of '{self.name}'", *with_constants(found, nomenclature))
             alike = alike.without(apart)
 
     def form(self, name: str) -> Document:
@@ -238,7 +239,7 @@ class Equations:
         printed = {dataclasses.replace(name, dots=0) for name in names_in(lines)}
         entries = tuple((name, entry) for name, entry in self.nomenclature().entries if name in printed)
         section = Section(f"{path} ({self.kinds[path]})", lines)
-        return Document(f"'{path}' of '{self.name}'", (section,) if lines else (), Nomenclature(entries))
+        return Document(f"'{path}' of '{self.name}'", *with_constants((section,) * bool(lines), Nomenclature(entries)))
 
     def nomenclature(self) -> Nomenclature:
         """The symbols with words, value, unit and path."""

@@ -298,9 +298,11 @@ def _within(node: Node) -> str:
 
 
 def value(text: str) -> str:
-    """A value as it is given, 2e+08 as a power of ten."""
+    """A value as it is given, 2e8 as a power of ten."""
     return re.sub(
-        r"([\d.]+)e([+-]\d+)", lambda m: rf"${m[1]} \times 10^{{{int(m[2])}}}$".replace(r"$1 \times ", "$"), prose(text)
+        r"([\d.]+)e([+-]?\d+)",
+        lambda m: rf"${m[1]} \times 10^{{{int(m[2])}}}$".replace(r"$1 \times ", "$"),
+        prose(text),
     )
 
 

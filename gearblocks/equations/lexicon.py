@@ -131,13 +131,14 @@ class Lexicon:
         return symbol
 
     def distinct(self) -> dict[Any, names.Name]:
-        """The names; where two things would share one, each by its path in the block: numbers and tables before what laws
-        define, their last word before the whole."""
+        """The names; where two things would share one, tables as such, else each by its path in the block: numbers and tables
+        before what laws define, their last word before the whole."""
         path = {s: self._inside(s) for s in self.names}
         given = [s for s in path if s in self.parameters or (s in self.entries and self.entries[s].table is not None)]
         last = {s: path[s].split(".")[-1].partition("[")[0] for s in given}
         whole = {s: re.sub(r"[.\[]", "_", inside).replace("]", "") for s, inside in path.items() if inside}
-        return names.distinct(self.names, last, {s: whole[s] for s in given}, whole)
+        tables = {s for s in given if s not in self.parameters}
+        return names.distinct(names.with_tables(self.names, tables), last, {s: whole[s] for s in given}, whole)
 
     def _inside(self, symbol: Any) -> str:
         """The path of what a symbol stands for inside its part of the train; empty for angles and deflections."""
@@ -151,12 +152,19 @@ class Lexicon:
     def _number(self, c: Component, path: str) -> Any:
         symbol = self._claim(_spelled(c, path), ("own", c.path, path))
         self.parameters[symbol] = f"{c.path}.{path}"
-        self._note(symbol, names.of_field(path, self._foot(c)), nomenclature.of_number(c, path), c)
+        own = nomenclature.declared_symbol(c, path)
+        called = names.of_field(path, self._foot(c), own, slides=c.slides)
+        self._note(symbol, called, nomenclature.of_number(c, path), c)
         return symbol
 
     def _state(self, c: Component, path: str) -> Any:
         symbol = self._claim(_spelled(c, path), ("state", c.path, path))
-        self._note(symbol, names.of_state(path, self._foot(c)), nomenclature.of_state(c, path), c)
+        self._note(
+            symbol,
+            names.of_state(path, self._foot(c), nomenclature.declared_symbol(c, path)),
+            nomenclature.of_state(c, path),
+            c,
+        )
         return symbol
 
     def _table(self, c: Component, table: Any) -> Any:
@@ -170,7 +178,8 @@ class Lexicon:
             self._note(symbol, names.Name("table", str(number), self._foot(c)), entry, c)
             return symbol
         symbol = self._claim(f"{flat(paths[0].split('.')[-1])}_table_{flat(c.path)}", ("table", c.path, paths[0]))
-        self._note(symbol, names.of_table(paths[0], self._foot(c)), nomenclature.of_table(c, paths, table), c)
+        called = names.of_table(paths[0], self._foot(c), nomenclature.declared_symbol(c, paths[0]))
+        self._note(symbol, called, nomenclature.of_table(c, paths, table), c)
         return symbol
 
     def _law_table(self, c: Component, made: LawTable) -> Any:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, final
 
@@ -23,8 +23,13 @@ _FIELDS = {
     "ripple": "ε", "ratio": "i", "cos": "a", "sin": "a", "mass": "m", "capacity": "C", "profile_shift": "X",
     "face_width": "B", "efficiency": "η", "stiffness": "k", "friction": "M", "restitution": "e", "addendum": "h",
     "gain": "K", "throttle": "u", "sliding": "C", "w": "ω", "law": "F", "stiffness_variation": "k", "transmission_error": "e",
+    "torque_map": "T",
 }  # fmt: skip
-_FROM_ZERO = ("coeffs", "coefficients")  # rows whose first entry belongs to the power 0
+"""Letters of fields that do not declare their own."""
+_ALONG = {"T": "F", "ω": "v", "θ": "x"}
+"""Letters of sliders."""
+_FROM_ZERO = ("coeffs",)  # rows whose first entry belongs to the power 0
+_ODD = ("coefficients",)  # rows of odd powers
 _WORDS = {"torque": "T", "torque_variation": "ε", "speed": "ω", "radius": "r", "frequency": "f"}
 _STATES = {"slowness": "γ"}
 _DEFINED = {
@@ -78,14 +83,15 @@ def of_shared(name: str) -> Name:
     return Name(_WORDS[name]) if name in _WORDS else plain(name)
 
 
-def of_field(field: str, owner: str, varies: bool = False) -> Name:
-    """A number of a block: `field` with the effect before it and its place in a row. varies: as the mean of what varies."""
+def of_field(field: str, owner: str, symbol: str = "", *, slides: bool = False, varies: bool = False) -> Name:
+    """A number of a block: `field` with the effect before it and its place in a row. symbol: as its field declares it;
+    slides: of a spring between sliders, say; varies: as the mean of what varies."""
     *effects, last = field.split(".")
     match = re.fullmatch(r"(\w+?)(?:\[(\d+)\])?", last)
     word, place = (match[1], match[2]) if match else (last, None)
-    own = Name(_FIELDS[word]) if word in _FIELDS else plain(word)
-    letter = own.letter
-    number = "" if place is None else str(int(place) + (word not in _FROM_ZERO))
+    own = plain(symbol) if symbol else Name(_FIELDS[word]) if word in _FIELDS else plain(word)
+    letter = _ALONG.get(own.letter, own.letter) if slides else own.letter
+    number = "" if place is None else str(2 * int(place) + 1 if word in _ODD else int(place) + (word not in _FROM_ZERO))
     if word == "sin":
         number = f"s{number}"
     number = _of_effects(effects) + (own.number or own.owner) + number
@@ -94,10 +100,10 @@ def of_field(field: str, owner: str, varies: bool = False) -> Name:
     return Name(letter, number, owner)
 
 
-def of_state(state: str, owner: str) -> Name:
-    """A state of a block: `state` with the effect before it."""
+def of_state(state: str, owner: str, symbol: str = "") -> Name:
+    """A state of a block: `state` with the effect before it. symbol: as it declares it."""
     *effects, last = state.split(".")
-    name = Name(_STATES[last]) if last in _STATES else plain(last)
+    name = plain(symbol) if symbol else Name(_STATES[last]) if last in _STATES else plain(last)
     return Name(name.letter, _of_effects(effects) + (name.number or name.owner), owner)
 
 
@@ -118,16 +124,19 @@ def of_defined(name: str, owner: str, slides: bool = False) -> Name:
     return Name(letter, number, owner, dots)
 
 
-def of_table(field: str, owner: str) -> Name:
+def of_table(field: str, owner: str, symbol: str = "") -> Name:
     """A table in a field of a block: the capital of the field's letter if it differs from a Latin one, or its word; of an
-    effect's own table the effect's."""
+    effect's own table the effect's. symbol: as its field declares it."""
     *effects, last = field.split(".")
     word, _, place = last.rstrip("]").partition("[")
     if effects and word == "table":
         word, *effects = effects
-    letter = _FIELDS.get(word, GREEK.get(word, word))
+    own = plain(symbol) if symbol else Name(_FIELDS.get(word, GREEK.get(word, word)))
+    letter = own.letter
     capital = letter.upper() if letter.isascii() or letter.upper() in GREEK.values() else letter
-    return Name(capital if len(letter) == 1 else letter, _of_effects(effects) + place, owner)
+    return Name(
+        capital if len(letter) == 1 else letter, _of_effects(effects) + (own.number or own.owner) + place, owner
+    )
 
 
 def plain(name: str) -> Name:
@@ -138,6 +147,14 @@ def plain(name: str) -> Name:
     if match is None:
         return Name(base, "", "", dots)
     return Name(GREEK.get(match[1], match[1]), match[2] or "", match[3] or "", dots)
+
+
+def with_tables(names: Mapping[Any, Name], tables: Collection[Any]) -> dict[Any, Name]:
+    """The names, those of tables that something else has too with "tab" at their foot, where that tells them apart."""
+    shared = Counter(names.values())
+    marked = {x: replace(names[x], number=f"{names[x].number}tab") for x in tables if shared[names[x]] > 1}
+    alike = Counter(marked.values())
+    return {**names, **{x: name for x, name in marked.items() if alike[name] == 1}}
 
 
 def distinct(names: Mapping[Any, Name], *spares: Mapping[Any, str]) -> dict[Any, Name]:

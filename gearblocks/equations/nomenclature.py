@@ -18,6 +18,7 @@ from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
 from gearblocks.laws.symbols import LawTable
 from gearblocks.train.graph import Component
+from gearblocks.train.summary import number_text
 from gearblocks.train.translational import words_along
 
 _TO_THE_USER = re.compile(r"[,:] an? gb\.\w+|, also over [\w.()]+|; None: [^;]*")
@@ -42,11 +43,22 @@ def of_number(c: Component, path: str) -> Entry:
     return Entry(words_along(_told(field), c.slides), _value(value), _unit(value, unit), f"{c.path}.{path}")
 
 
+def declared_symbol(c: Component, path: str) -> str:
+    """The symbol that a field or a state of a block or of its effects declares for itself, if it does."""
+    *effects, last = path.partition("[")[0].split(".")
+    owner: Any = c.block
+    for effect in effects:
+        owner = getattr(owner, effect.partition("[")[0])
+        owner = owner[0] if isinstance(owner, tuple) else owner
+    declared = type(owner).fields.get(last) or type(owner).states.get(last)
+    return "" if declared is None else declared.symbol
+
+
 def of_shared(leaf: Parameter | Input) -> Entry:
     """A Parameter or an Input."""
     if isinstance(leaf, Input):
-        return Entry("input", f"{leaf.start:.6g}", leaf.unit, leaf.name)
-    return Entry("parameter", f"{leaf.value:.6g}", leaf.unit, leaf.name)
+        return Entry("input", number_text(leaf.start, 6), leaf.unit, leaf.name)
+    return Entry("parameter", number_text(leaf.value, 6), leaf.unit, leaf.name)
 
 
 def of_state(c: Component, path: str) -> Entry:
@@ -145,10 +157,10 @@ def _found(block: Declared, path: str) -> tuple[Field, Any]:
 
 def _value(value: Any) -> str:
     if isinstance(value, Given) and value.unit:
-        return f"{parse_unit(value.unit).of_si(float(value)):.6g}"
+        return number_text(parse_unit(value.unit).of_si(float(value)), 6)
     if isinstance(value, Parameter):
         return value.name
-    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
+    return number_text(value, 6) if isinstance(value, (int, float)) else str(value)
 
 
 def _unit(value: Any, unit: str) -> str:

@@ -201,7 +201,8 @@ class Reader:
             word = "and" if expr.func is sp.And else "or"
             items: list[Any] = []
             for part in expr.args:
-                items += [*([Op(word)] if items else []), *self._relation(part)]
+                inner = [Fence("(", ")", self._condition(part))] if part.func is sp.And else self._relation(part)
+                items += [*([Op(word)] if items else []), *inner]
             return Row(tuple(items))
         return Row(tuple(self._relation(expr)))
 

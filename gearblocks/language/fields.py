@@ -50,7 +50,7 @@ class Field:
     of its numbers one by one, or one text for all with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: in the unit of
     the deflection that an effect is of: a length, or an angle where the field for the effect says so (turns). or_one_of:
     fields one of which must be given where this one is not. part: the output of another part ("T") that a text in the field,
-    the name of that part, stands for.
+    the name of that part, stands for. symbol: that of printed equations, spelled as "T_C" or "omega_0".
     """
 
     words: str
@@ -74,6 +74,7 @@ class Field:
     of_deflection: bool = False
     turns: bool = False
     part: str = ""
+    symbol: str = ""
 
     def __post_init__(self) -> None:
         if self.unit != "1":
@@ -101,7 +102,7 @@ def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
     start: str | None = None, leading: int | None = None, usual: float | None = None, each: tuple[str, ...] = (),
-    of_deflection: bool = False, or_one_of: tuple[str, ...] = (),
+    of_deflection: bool = False, or_one_of: tuple[str, ...] = (), symbol: str = "",
 ) -> Any:  # fmt: skip
     """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
 
@@ -111,6 +112,7 @@ def param(
     usual: the largest size that one expects; above it rig.describe() asks whether it is meant. each: words of the numbers of
     a row one by one, or one text with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: of an effect, a length that is an
     angle where the deflection is one (see `effect`). or_one_of: fields one of which must be given where this one is not.
+    symbol: that of printed equations, as "T_C" or "omega_0"; else its name.
     """
     known = (None, ANGLE, SPEED, RELATIVE_ANGLE, RELATIVE_SPEED, ACCELERATION)
     if start not in known or (start is not None and many):
@@ -132,14 +134,17 @@ def param(
         each=each,
         of_deflection=of_deflection,
         or_one_of=or_one_of,
+        symbol=symbol,
     )
 
 
 def exact(
-    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, each: tuple[str, ...] = ()
-) -> Any:
-    """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural."""
-    return Field(words, unit, "exact", default, many=many, each=each)
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, each: tuple[str, ...] = (),
+    symbol: str = "",
+) -> Any:  # fmt: skip
+    """A number that enters ratios exactly (tooth counts; a float stands for its exact binary fraction). Structural. symbol:
+    that of printed equations."""
+    return Field(words, unit, "exact", default, many=many, each=each, symbol=symbol)
 
 
 def option(
@@ -155,15 +160,15 @@ def option(
 
 def signal(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, ge: float | None = None, belongs_to: str | None = None,
-    over: str | None = None, part: str = "",
+    over: str | None = None, part: str = "", symbol: str = "",
 ) -> Any:  # fmt: skip
     """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense), by sympy too.
 
     ge: the least value of a number or Parameter; what varies is not judged. over: a quantity of the block that may stand
     in it too, see Symbols.local; a Table then goes over that quantity. part: an output, such as "T": a text is the name of the
-    part of the train that shows it.
+    part of the train that shows it. symbol: that of printed equations.
     """
-    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over, part=part)
+    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over, part=part, symbol=symbol)
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None, turns: bool = False) -> Any:
@@ -201,13 +206,15 @@ class Unseen(Flange):
 class State(metaclass=Tidy):
     """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when).
 
-    accumulates: it adds up what passes, such as heat; a static equilibrium does not ask it to rest.
+    accumulates: it adds up what passes, such as heat; a static equilibrium does not ask it to rest. symbol: that of printed
+    equations, as "gamma_1"; else its name.
     """
 
     words: str
     unit: str = "1"
     start: float = 0.0
     accumulates: bool = False
+    symbol: str = ""
 
     def __post_init__(self) -> None:
         declared(f"State '{self.words}'", self.unit)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+import inspect
 from abc import ABCMeta
 from collections.abc import Iterable
+from typing import Any, TypeVar
 
 _TELLING = frozenset(
     ("__init__", "__call__", "__getitem__", "__len__", "__iter__", "__doc__", "__module__", "__dict__")
@@ -18,3 +21,16 @@ class Tidy(ABCMeta):
 
     def __dir__(cls) -> Iterable[str]:
         return [name for name in super().__dir__() if not name.startswith("_") or name in _TELLING]
+
+
+_C = TypeVar("_C", bound=type)
+
+
+def told(kind: _C) -> _C:
+    """A dataclass whose signature shows the defaults that it makes ({}), not that it makes them (<factory>)."""
+    made = {f.name: f.default_factory() for f in dataclasses.fields(kind) if callable(f.default_factory)}
+    own: Any = vars(kind)["__init__"]
+    given = inspect.signature(own)
+    shown = [p.replace(default=made.get(p.name, p.default)) for p in given.parameters.values()]
+    own.__signature__ = given.replace(parameters=shown)
+    return kind

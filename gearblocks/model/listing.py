@@ -21,6 +21,7 @@ from gearblocks.model.start_values import fitted_later
 from gearblocks.pages import small_table
 from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.graph import Train, Tree, flatten
+from gearblocks.train.summary import number_text
 from gearblocks.train.values import leaves_of
 
 SHOWN = 200
@@ -84,7 +85,7 @@ class Listing(Sequence[Listed]):
 
 
 def _shown(value: float | str | None) -> str:
-    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else value
+    return "" if value is None else number_text(value, 6) if isinstance(value, float) else value
 
 
 def outputs(train: Train, patterns: tuple[str, ...]) -> Listing:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from gearblocks.codegen.program import InputInfo, ParameterInfo, Program
 from gearblocks.errors import ParameterError, UnknownNameError, by_name, did_you_mean
-from gearblocks.language.expression import finite_number
+from gearblocks.language.expression import Expr, finite_number
 from gearblocks.language.fields import ANGLE, SPEED
 from gearblocks.language.signals import Table, check_increasing
 from gearblocks.language.starts import ROLLING, Rolling, is_rolling
@@ -28,6 +28,7 @@ from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 from gearblocks.train.graph import blocks_of
+from gearblocks.train.summary import expression_text
 from gearblocks.train.values import field_paths
 
 Start: TypeAlias = "Mapping[str, float | str] | Trajectory | Rolling | str | None"
@@ -348,7 +349,18 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
             sim.set_function(i, source)
         else:
             what = f"input '{info.name}'"
+            _check_source(what, source)
             sim.inputs[i] = checked(what, number_of(what, source, info), info.unit, None, None)
+
+
+def _check_source(what: str, source: Any) -> None:
+    """ParameterError where what an input is given is no number, nor anything else that it takes."""
+    is_expression = isinstance(source, Expr) or hasattr(source, "_expr_") or bool(getattr(source, "free_symbols", ()))
+    if is_expression or isinstance(source, bool) or not (has_unit(source) or hasattr(source, "__float__")):
+        shown = expression_text(source) if isinstance(source, Expr) else repr(source)
+        instead = "; an expression belongs into the field of the train where the Input stands" * is_expression
+        ways = "text with its unit, a gb.Table, a pair (t, y), a Series over time or a function of the time in s"
+        raise ParameterError(f"{what} = {shown:.80} must be a number, {ways}{instead}")
 
 
 def _converted(source: Table | Callable[[float], float], factor: float) -> Table | Callable[[float], float]:

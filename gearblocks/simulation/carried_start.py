@@ -132,7 +132,7 @@ def _started(model: Model, initial: Start, asked: _Asked) -> Iterator[Point]:
         except RuntimeError:
             if sim.error is not None:
                 raise sim.error from None
-            words = reason(program, Code(sim.report.code), sim.report, sim.parameters)
+            words = reason(program, Code(sim.report.code), sim)
             raise SimulationError(sim.report.t, *words) from None
 
 

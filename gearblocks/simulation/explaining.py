@@ -70,9 +70,7 @@ def _done_again(sim: Simulation, case: Case) -> tuple[Account, list[tuple[float,
             break
         looks.append((float(t), sim.state(), sim.modes()))
     if code < 0:
-        raise SimulationError(
-            sim.report.t, *reason(case.library.program, code, sim.report, sim.parameters)
-        ) from sim.error
+        raise SimulationError(sim.report.t, *reason(case.library.program, code, sim)) from sim.error
     return account, looks
 
 

@@ -5,8 +5,8 @@ Knows nothing of trajectories.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -18,15 +18,18 @@ from gearblocks.solver.point import Point
 from gearblocks.solver.structures import Array, Code
 
 
-def reason(program: Program, code: Code, report: Any, parameters: Array) -> tuple[str, str, str]:
-    """(component, cause, remedy) of a report of the solver."""
+def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str]:
+    """(component, cause, remedy) of why a simulation stopped."""
+    report = sim.report
     cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
     if code == Code.ERR_CHATTER and report.value >= _CROWD:
         cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
     if code == Code.ERR_LOSS and report.value > 0:
         cause = _SEVERAL
     massless = [
-        p.path for p, v in zip(program.parameters, parameters, strict=True) if p.path.endswith((".J", ".m")) and v == 0
+        p.path
+        for p, v in zip(program.parameters, sim.parameters, strict=True)
+        if p.path.endswith((".J", ".m")) and v == 0
     ]
     if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and any(".held" in p.path for p in program.parameters):
         remedy = (
@@ -38,7 +41,48 @@ def reason(program: Program, code: Code, report: Any, parameters: Array) -> tupl
             f"{', '.join(massless[:3])} = 0: a shaft without inertia moves by what damps it, in every mode (teeth in their "
             "gap damp nothing): give a spring beside it a c, contact_damping='always', or the shaft an inertia"
         )
+    elif code in _AT_INFINITY and (source := _source(program, sim)):
+        body = component_of(program, code, report.index)
+        return (
+            source[0],
+            source[1],
+            _OF_A_SOURCE + (f"; it moves '{body}'" if body and code == Code.ERR_NAN_RATE else ""),
+        )
     return component_of(program, code, report.index), cause, remedy
+
+
+def _source(program: Program, sim: Simulation) -> tuple[str, str] | None:
+    """The element whose law gives no finite number where a run stopped, or shortly ahead, and which of its outputs that is: of
+    several the one with fewest flanges. None where all are finite, or bodies and flanges alone are not."""
+    names = list(program.outputs.names())
+    bodies = {name.removesuffix(".alpha") for name in names if name.endswith(".alpha")}
+    for values in _ahead(sim, len(program.switches)):
+        found: list[tuple[int, int]] = []
+        for i in map(int, np.flatnonzero(~np.isfinite(values))):
+            element, _, shown = names[i].rpartition(".")
+            if element not in bodies and shown not in _OF_FLANGES:
+                flanges = sum(name.startswith(f"{element}.") and name.endswith(".tau") for name in names)
+                found.append((flanges, i))
+        if found:
+            i = min(found)[1]
+            became = "NaN" if np.isnan(values[i]) else "infinite"
+            return names[i].rpartition(".")[0], f"its {program.outputs[i].words} ({names[i]}) became {became}"
+    return None
+
+
+def _ahead(sim: Simulation, switches: int) -> Iterator[Array]:
+    """All outputs where a run stopped, in its modes if it began, and with the state as it would be a little later."""
+    t, modes = sim.report.t, np.zeros(switches)
+    try:
+        y = sim.state(stopped=True)
+        with suppress(RuntimeError):
+            modes = sim.modes()
+        yield sim.probe(t, y, modes, "outputs")
+        rates = sim.probe(t, y, modes, "rates")
+        for seconds in (1e-9, 1e-6, 1e-3):
+            yield sim.probe(t, y + seconds * rates, modes, "outputs")
+    except (RuntimeError, ArithmeticError, ValueError):
+        return
 
 
 def too_long(
@@ -81,6 +125,17 @@ def component_of(program: Program, code: Code, index: int) -> str:
         return program.parameters[index - program.n].path
     return ""
 
+
+_AT_INFINITY = (Code.ERR_NAN_RATE, Code.ERR_LOSS, Code.ERR_BRANCH)
+"""What a law without a finite number ends in."""
+
+_OF_FLANGES = ("phi", "w", "alpha", "tau", "power", "s", "v", "a", "f")
+"""Outputs that follow from what others do."""
+
+_OF_A_SOURCE = (
+    "look in its values and expressions for a division by 0, a root or logarithm of less than 0; gb.maximum and gb.piecewise "
+    "keep away from there"
+)
 
 _LOOKS = 16
 """Rows of a run at which its fastest mode is looked for: teeth are in contact at some."""
@@ -130,8 +185,8 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     ),
     Code.ERR_ESCAPE: (
         "the motion grows without bound",
-        "look for what feeds it: a torque that rises with its own speed or angle, a stiffness below zero, a resonance without "
-        "damping",
+        "look for what feeds it: a torque that rises with its own speed or angle, an expression that divides by what passes 0, "
+        "a stiffness below zero, a resonance without damping",
     ),
     Code.ERR_JUMP: (
         "friction on a shaft without inertia and damping jumps, and with it the twist of the spring that it loads",

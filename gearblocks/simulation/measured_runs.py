@@ -189,9 +189,7 @@ class Measuring:
         except GearblocksError as error:
             return error
         except RuntimeError:
-            return SimulationError(
-                sim.report.t, *reason(self.program, Code(sim.report.code), sim.report, sim.parameters)
-            )
+            return SimulationError(sim.report.t, *reason(self.program, Code(sim.report.code), sim))
 
     def _go(self, study: StudyRuns, number: int) -> tuple[set[int], NDArray[np.void]]:
         """Runs all of a block: those that could not go on, and the events of all."""
@@ -228,7 +226,7 @@ def run_again(case: Case, needs: Needs) -> Iterator[MeasuredRun]:
             yield measured_run(sim, case, needs)
         except StoppedError as stopped:
             code = stopped.code or Code.ERR_MEMORY
-            raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
+            raise SimulationError(sim.report.t, *reason(program, code, sim)) from None
 
 
 def measured_run(sim: Simulation, case: Case, needs: Needs, stop: Callable[[], bool] | None = None) -> MeasuredRun:

@@ -84,6 +84,9 @@ class Stats:
         return small_table("Counters of the solver", self.table(), numbers=(1,), notes=[self.why] if self.why else ())
 
 
+_ROUNDING = 1e-11
+"""Of the turnover: amounts below it are sums of rounding errors, or as good as none."""
+
 _HEAT = ("heat", "heat_stored", "heat_passed")
 
 
@@ -181,6 +184,13 @@ class EnergyLedger:
         return f"<EnergyLedger: {counts}; residual {self.residual:.1e} of a turnover of {self.turnover:.6g} J{most}>"
 
     def _rows(self) -> list[tuple[str, float]]:
+        """Amounts for people: what is rounding beside the turnover reads 0."""
+        least = max(_ROUNDING * self.turnover, self.rounding)
+        return [
+            (words, 0.0 if abs(value) <= least and "left over" not in words else value) for words, value in self._all()
+        ]
+
+    def _all(self) -> list[tuple[str, float]]:
         rows = [("stored at the start", self.start), ("stored at the end", self.end)]
         rows += [(f"supplied by {name}", value) for name, value in self.supplied.items()]
         rows += [(f"dissipated in {name}", value) for name, value in self.dissipated.items()]

@@ -140,7 +140,7 @@ def _at_rest(sim: Simulation, program: Program, t: float, vector: Array) -> Iter
         with opened(sim, program, t) as point:
             yield point.at(algebra=algebra_of(program.n))
     except RuntimeError:
-        words = reason(program, Code(sim.report.code), sim.report, sim.parameters)
+        words = reason(program, Code(sim.report.code), sim)
         raise SimulationError(sim.report.t, *words) from sim.error
     finally:
         sim.parameters[:] = vector

@@ -335,7 +335,7 @@ class _Run:
     def _failure(self, code: Code, run: Trajectory | None) -> GearblocksError:
         """The error of a return code, with the name of the thing and the way out."""
         report, program = self.sim.report, self.model.program
-        t, (name, cause, remedy) = report.t, reason(program, code, report, self.sim.parameters)
+        t, (name, cause, remedy) = report.t, reason(program, code, self.sim)
         if code == Code.ERR_UNSTABLE and run is not None:
             name, cause, remedy = too_long(self.sim, program, run.meta["step"], self.rows, (name, cause, remedy))
         if code == Code.ERR_CALLBACK and self.sim.error is not None:

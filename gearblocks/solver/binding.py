@@ -160,9 +160,9 @@ class Simulation:
         """The present communication point."""
         return float(self._shared.gb_time(self._sim))
 
-    def state(self) -> Array:
-        """The state at the communication point, length n_total."""
-        return self._filled("gb_state", self._program.n_total)
+    def state(self, *, stopped: bool = False) -> Array:
+        """The state at the communication point, length n_total; stopped: of a run that cannot go on, too."""
+        return self._filled("gb_state", self._program.n_total, stopped)
 
     def outputs(self) -> Array:
         """All outputs at the communication point."""
@@ -373,10 +373,10 @@ class Simulation:
         self._shared.gb_get_report(self._sim, ctypes.byref(report))
         return report
 
-    def _filled(self, name: str, length: int) -> Array:
+    def _filled(self, name: str, length: int, stopped: bool = False) -> Array:
         values = np.zeros(length)
         code = getattr(self._shared, name)(self._sim, address(values))
-        if code < 0:
+        if code < 0 and not stopped:
             _expect(code, name)
         return values
 

@@ -24,7 +24,7 @@ from typing import Any, TypeVar
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksError, log
-from gearblocks.language.tidy import Tidy
+from gearblocks.language.tidy import Tidy, told
 from gearblocks.progress import Progress
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.cache import digest, user_cache
@@ -141,6 +141,7 @@ class Library:
         return f"Library('{self.program.name}', n={self.program.n})"
 
 
+@told
 @dataclass(frozen=True, slots=True, eq=False)
 class Model(metaclass=Tidy):
     """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the

@@ -2,39 +2,94 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
+from gearblocks.errors import GearblocksError
 from gearblocks.language.block import Block, Declared
 from gearblocks.language.expression import Expr, to_sympy
+from gearblocks.language.fields import Field
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
 
 
 def field_texts(block: Block, slides: bool) -> list[str]:
-    """ "k = 20000.0 N m/rad" and the like for each field that is not as by default; slides: units are those of sliders."""
-    parts = []
-    for name, field in type(block).fields.items():
-        value = block.__dict__[name]
+    """ "k = 20000 N m/rad" and the like for each field that is not as by default; slides: units are those of sliders."""
+    return list(_fields(block, slides, None))
+
+
+def _fields(of: Declared, slides: bool, within: Field | None) -> Iterator[str]:
+    """within: the field that an effect stands in."""
+    for name, field in type(of).fields.items():
+        value = of.__dict__[name]
         if value is not None and value != field.default:
-            if isinstance(value, Declared):
-                parts.append(f"{name}: {value!r}")
-            else:
-                parts.append(f"{name} = {_whole(value, unit_along(field.unit, slides))}")
-    return parts
+            spec = field if within is None else within.along(field)
+            yield f"{name}{':' if _is_effect(value) else ' ='} {_whole(value, spec, slides)}"
 
 
-def _whole(value: Any, unit: str) -> str:
+def _is_effect(value: Any) -> bool:
+    return isinstance(value, Declared) or (isinstance(value, tuple) and any(isinstance(x, Declared) for x in value))
+
+
+def _whole(value: Any, field: Field, slides: bool) -> str:
     """A value as it was given, with its unit."""
+    if isinstance(value, Declared):
+        return f"{type(value).__name__}({', '.join(_fields(value, slides, field))})"
+    if isinstance(value, tuple):
+        row = [_whole(x, field.entry(i), slides) for i, x in enumerate(value)]
+        alike = "^-i" not in field.unit and all(type(x) in (int, float) for x in value)
+        plain = [_text(x) for x in value] if alike else row
+        inside = f"({', '.join(plain)}{',' if len(row) == 1 else ''})"
+        return inside + (_behind(unit_along(field.unit, slides)) if alike else "")
     if isinstance(value, Given) and value.unit:
-        return f"{parse_unit(value.unit).of_si(float(value)):.12g} {value.unit}"
+        return f"{number_text(parse_unit(value.unit).of_si(float(value)))} {value.unit}"
     if isinstance(value, Parameter):
-        return f"{value.name} ({value.value:.12g}{_behind(value.unit)})"
+        return f"{value.name} ({number_text(value.value)}{_behind(value.unit)})"
     if isinstance(value, Input):
-        return f"input {value.name} ({value.start:.12g}{_behind(value.unit)})"
-    text = str(to_sympy(value)) if isinstance(value, Expr) else repr(value)
-    return text + _behind(unit)
+        return f"input {value.name} ({number_text(value.start)}{_behind(value.unit)})"
+    return _text(value) + _behind(unit_along(field.unit, slides))
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool) or not isinstance(value, (int, float, Table, Table2, Expr)):
+        return repr(value)
+    if isinstance(value, (int, float)):
+        return number_text(value)
+    if isinstance(value, Expr):
+        if value.op == "table" and value.args[1].op == "time":
+            return _text(value.args[0])
+        return expression_text(value)
+    return repr(value).replace(f", {value.digest()}", "")
+
+
+def expression_text(value: Expr) -> str:
+    """An expression as sympy writes it, its numbers in at most 12 digits and its tables without the hash of their points."""
+    import sympy as sp
+
+    def leaf(e: Expr) -> Any:
+        if e.op in ("table", "table2"):
+            return sp.Function("table")(*(to_sympy(x, leaf) for x in e.args[1:]))
+        return sp.Symbol("time") if e.op == "time" else sp.Symbol(str(to_sympy(e)))
+
+    try:
+        found = to_sympy(value, leaf)
+    except GearblocksError:  # 0**-1, which sympy has no number for
+        return str(value)
+    sizes = {x: sp.Symbol(number_text(abs(float(x)))) for x in found.atoms(sp.Float)}
+    return str(found.xreplace({x: -size if x < 0 else size for x, size in sizes.items()}))
+
+
+def number_text(value: float, digits: int = 12) -> str:
+    """A number in its digits, at most `digits` of them: 20000, 0.3, 4e-5, 2e8."""
+    text = f"{value:.{digits}g}"
+    if not math.isfinite(value) or value == 0 or 1e-4 <= abs(value) < 1e6:
+        return text if "e" not in text else f"{value:.0f}"
+    size, _, power = f"{value:.{digits - 1}e}".partition("e")
+    size = size.rstrip("0").rstrip(".")
+    return f"{size}e{int(power)}"
 
 
 def _behind(unit: str) -> str:
@@ -70,13 +125,14 @@ def _short(name: str, value: Any, unit: str) -> str:
             return ""
         if name == "teeth":
             return ":".join(f"{x:.4g}" for x in value)
-        return ", ".join(f"{float(x):.4g}" for x in value) + (f" {unit}" if unit != "1" else "")
+        return ", ".join(number_text(float(x), 4) for x in value) + (f" {unit}" if unit != "1" else "")
     if isinstance(value, (Table, Table2)):
         return "a table"
     if isinstance(value, Expr):
         if value.op == "sense":
             return str(value.args[0])
-        return str(value) if len(str(value)) < 20 else "f(...)"
+        text = expression_text(value)
+        return text if len(text) < 20 else "f(...)"
     if isinstance(value, (int, float, Fraction)) and not isinstance(value, bool):
-        return f"{float(value):.4g}".replace("e+0", "e").replace("e-0", "e-") + (f" {unit}" if unit != "1" else "")
+        return number_text(float(value), 4) + (f" {unit}" if unit != "1" else "")
     return ""

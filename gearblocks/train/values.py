@@ -18,6 +18,7 @@ from gearblocks.language.reference import annotation_of
 from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
+from gearblocks.train.summary import expression_text
 
 _PLAIN = frozenset((float, int, bool, str, type(None)))
 
@@ -69,7 +70,7 @@ def _temperature_problems(block: Block) -> Iterator[str]:
     if heat_port(block) is None:
         for name, value, _ in numbers_of(block, ""):
             if reads_temperature(value):
-                yield f"{name} = '{value}' contains gb.temperature: give the block heat=gb.HeatPort(T=...)"
+                yield f"{name} = '{expression_text(value)}' contains gb.temperature: give the block heat=gb.HeatPort(T=...)"
 
 
 def _row_wanted(owner: type[Declared], name: str, value: Any) -> str:
@@ -140,7 +141,10 @@ def _problem(name: str, value: Any, field: Field) -> str:
         problem = _signal_problem(name, value, field)
         if problem or isinstance(value, (Input, Table)) or (isinstance(value, Expr) and not _is_constant(value)):
             return problem
-        number, shown = _constant(value), f" ({value!r})" if isinstance(value, Parameter) else f" ('{value}')"
+        number, shown = (
+            _constant(value),
+            f" ({value!r})" if isinstance(value, Parameter) else f" ('{expression_text(value)}')",
+        )
     elif isinstance(value, Table2):
         return f"{name} = {value!r} is no signal by itself: call it with two quantities, such as table(gb.sense('motor.w'), u)"
     elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
@@ -185,7 +189,8 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
     if field.role == "exact":
         return f"{name} = {value!r:.80} enters a ratio: give a plain number, and another one with rig.set(...)"
     if isinstance(value, Expr) and value.op in ("<", "<=", ">", ">=", "And", "Or", "Not"):
-        return f"{name} = '{value}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
+        shown = expression_text(value)
+        return f"{name} = '{shown}' is a condition, not a value: give gb.piecewise((value, condition), (other, True))"
     if field.role == "signal":
         leaves = value.leaves() if isinstance(value, Expr) else ()
         own = (field.over, "temperature")  # of a heat port, which the block is asked for
@@ -196,7 +201,9 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
             "driver_angle": "the k of a NonCircularGear",
             "distance": "a Vehicle or a Chassis",
         }.get(str(local), "its block")
-        return "" if local is None else f"{name} = '{value}' contains gb.{local}, which only {by} knows"
+        return (
+            "" if local is None else f"{name} = '{expression_text(value)}' contains gb.{local}, which only {by} knows"
+        )
     changing = not isinstance(value, (Expr, Parameter)) or (isinstance(value, Expr) and not _is_constant(value))
     return (
         f"{name} is a parameter: it takes a number, a gb.Parameter or an expression of Parameters" if changing else ""

@@ -283,7 +283,7 @@ def test_a_run_can_start_in_the_static_equilibrium(script: Path, capsys: pytest.
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        (["describe"], r"shaft +Shaft +k = 150.0 N m/rad"),
+        (["describe"], r"shaft +Shaft +k = 150 N m/rad"),
         (["outputs", "shaft.*"], r"shaft.twist +rad +\w"),
         (["parameters"], r"shaft.k +150 +N m/rad +torsional stiffness"),
         (["inputs"], "no inputs"),

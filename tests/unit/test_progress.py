@@ -99,3 +99,28 @@ def test_nothing_is_said_of_short_work(clock: Any, monkeypatch: pytest.MonkeyPat
         tell(0.9)
         tell.close()
         assert not stream.getvalue()
+
+
+def test_how_long_the_rest_takes_is_said_once_enough_is_done_to_tell(
+    clock: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = to(Stream(False), monkeypatch)
+    tell = Progress("compiling the core")
+    clock.seconds = 12.0  # the first file takes what all of them need once
+    tell(1 / 69, "1 of 69 files")
+    assert log.getvalue() == "compiling the core: 1 of 69 files\n"
+    for files in range(2, 61):
+        clock.seconds += 0.5
+        tell(files / 69, f"{files} of 69 files")
+    assert log.getvalue().splitlines()[1].endswith("left") and "min" not in log.getvalue()
+
+
+def test_the_preparations_of_the_first_part_are_no_measure_of_the_rest(
+    clock: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    screen = to(Stream(True), monkeypatch)
+    tell = Progress("study")
+    for done in range(1, 7):
+        clock.seconds = 10.0 + done
+        tell(done / 1000)
+    assert "left" not in screen.getvalue().split("\r")[4] and "17 min left" in screen.getvalue().split("\r")[6]

@@ -245,7 +245,7 @@ class Strobe:
 
     def _failure(self, sim: Simulation, code: Code) -> GearblocksError:
         kind = GrowthError if code in GROWS else SimulationError
-        return kind(sim.report.t, *reason(self.model.program, code, sim.report, sim.parameters))
+        return kind(sim.report.t, *reason(self.model.program, code, sim))
 
     def _corner(self, switch: int, t: float) -> str:
         name = component_of(self.model.program, Code.ERR_CHATTER, switch)

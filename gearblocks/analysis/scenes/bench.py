@@ -120,7 +120,7 @@ class Bench:
                     words = f"the run takes more than {self.patience:.3g} s of CPU time"
                     raise SimulationError(sim.counters.t, "", words, "give it a larger budget") from None
                 code = stopped.code
-                raise SimulationError(sim.report.t, *reason(program, code, sim.report, sim.parameters)) from None
+                raise SimulationError(sim.report.t, *reason(program, code, sim)) from None
             counters, cpu = sim.counters, thread_time() - before
         measures = self.scene.measures
         whole = (
@@ -248,4 +248,4 @@ def _start(model: Model, vector: Array, inputs: Mapping[str, Any], initial: Any,
             return static_state(sim, model.program, begin, means=initial == "static")
         except RuntimeError:
             report = sim.report
-            raise SimulationError(report.t, *reason(model.program, Code(report.code), report, vector)) from sim.error
+            raise SimulationError(report.t, *reason(model.program, Code(report.code), sim)) from sim.error

@@ -16,11 +16,12 @@ from gearblocks.analysis.study_task import measures_of, names_of
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name, by_name_only
 from gearblocks.language.expression import finite_number
-from gearblocks.language.tidy import Tidy
+from gearblocks.language.tidy import Tidy, told
 from gearblocks.simulation.arguments import Start, begin_of, sample_times
 
 
 @final
+@told
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene(metaclass=Tidy):
     """A question to a train: the quantity of a run from t_start to t_end [s], wanted to a share `within` of its value.

@@ -301,7 +301,8 @@ GB_API int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, d
                              double *bounds, double *force, double *violation, double *slip);
 
 /* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
- * fit state and time there. Needs gb_start for the values derived from parameters; changes nothing of the run. */
+ * fit state and time there. Needs gb_start for the values derived from parameters, which may have failed where
+ * modes are given; changes nothing of the run. */
 GB_API int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy,
                     double *fit);
 

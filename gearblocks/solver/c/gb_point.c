@@ -17,7 +17,7 @@ static void fit_modes(const gb_sim *sim, const double *mode, double t, double *f
 int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy, double *fit) {
     const gb_model *model = sim->model;
     const double *mode = at->mode ? at->mode : sim->mode;
-    int code = sim->head->started ? GB_DONE : gb_fail(sim, GB_ERR_STATE, 0, at->t, 0.0);
+    int code = sim->head->started || at->mode ? GB_DONE : gb_fail(sim, GB_ERR_STATE, 0, at->t, 0.0);
     if (code == GB_DONE) {
         code = gb_point_time_terms(sim, at);
     }

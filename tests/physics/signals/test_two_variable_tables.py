@@ -115,4 +115,4 @@ def test_a_map_alone_is_no_signal() -> None:
 def test_a_map_reads_as_a_function_of_its_quantities_in_the_equations() -> None:
     rig = gb.Drivetrain("rig")
     rig.chain(rig.add("motor", gb.Engine(torque_map=gb.Table2(W, U, Z), throttle=0.5)), rig.add("a", gb.Inertia(J=1.0)))
-    assert "J_a φ_a'' = torque_map_motor(φ_a', u_motor)" in str(rig.equations())
+    assert "J_a φ_a'' = T_motor(φ_a', u_motor)" in str(rig.equations())

@@ -218,3 +218,22 @@ def test_a_shaft_without_inertia_that_one_mode_leaves_undamped_says_what_damps_i
     with pytest.raises(gb.SimulationError, match=r"node\.J = 0.*damps it, in every mode.*contact_damping='always'"):
         gb.simulate(rig(), t_end=2.0)
     assert gb.simulate(rig(contact_damping="always"), t_end=2.0).energy.residual < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("tau", "became"),
+    [
+        (1 / gb.time, "infinite at t = 0 s"),
+        (gb.sqrt(0.3 - gb.time), "NaN at t = 0.3 s"),
+        (gb.sqrt(2 - gb.sense("rotor.w")), "NaN at t = "),
+    ],
+)
+@pytest.mark.parametrize("held", [False, True])
+def test_a_law_without_a_finite_number_is_named_by_its_own_part_and_not_by_the_body_that_it_moves(tau, became, held):
+    rig = _chain(("push", gb.Torque(tau=5 + tau)), ("rotor", gb.Inertia(J=1.0)))
+    if held:
+        rig.connect(rig.add("brake", gb.Brake(capacity=1.0)).a, rig["rotor"].b)
+    with pytest.raises(gb.SimulationError, match=rf"'push': its torque on the flange \(push\.torque\) became {became}"):
+        gb.simulate(rig, t_end=1.0)
+    study = gb.sweep(rig, {"rotor.J": [0.5, 1.0]}, quantity=gb.last("rotor.w"), t_end=1.0)
+    assert all(x.message.count("push.torque") == 1 for x in study.failures) and len(study.failures) == 2

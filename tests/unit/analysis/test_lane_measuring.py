@@ -92,7 +92,7 @@ def test_other_trains_and_quantities_are_run_one_by_one_with_located_events(rig,
     found = gb.sweep(rig, {"w": W[:2]}, steps_per_period=400, **arguments)
     fine = gb.sweep(rig, {"w": W[:2]}, rtol=1e-9, **arguments)
     assert not found.meta["in_lanes"] and found.meta["method"] == "rk4"
-    name = quantity.name if hasattr(quantity, "name") else "<lambda>"
+    name = quantity.name if hasattr(quantity, "name") else "quantity"
     np.testing.assert_allclose(np.asarray(found[name]), np.asarray(fine[name]), rtol=1e-3)
 
 

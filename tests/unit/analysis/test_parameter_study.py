@@ -96,7 +96,7 @@ def test_functions_of_a_trajectory_stand_beside_quantities(clutch_model: gb.Mode
     sampled = gb.sweep(
         clutch_model, {"shaft.k": [150.0]}, quantity=lambda run: float(len(run.t)), t=np.linspace(0, 0.5, 9)
     )
-    assert sampled.values.tolist() == [[9.0]] and sampled.names == ("<lambda>",)
+    assert sampled.values.tolist() == [[9.0]] and sampled.names == ("quantity",)
 
 
 def test_start_values_and_inputs_vary_too(clutch_model: gb.Model) -> None:

@@ -131,15 +131,29 @@ class Sheet:
         return found
 
     def holds(self):
-        """A relation, or several with and, or."""
-        left = self._sum()
-        relation = RELATIONS[self._next()]
-        found = relation(left.value, self._sum().value)
+        """A relation, or several with and, or; some of them in brackets."""
+        if self._peek() == "(" and r"\text" in self.tokens[self.at : self._closing()]:
+            self._next("(")
+            found = self.holds()
+            self._next(")")
+        else:
+            left = self._sum()
+            relation = RELATIONS[self._next()]
+            found = relation(left.value, self._sum().value)
         while self._peek() == r"\text" and self.tokens[self.at + 2 : self.at + 4] in (list("an"), list("or")):
             word = self._braced()
             more = self.holds()
             found = (found and more) if word == "and" else (found or more)
         return found
+
+    def _closing(self):
+        """Where the bracket that opens here closes."""
+        depth = 0
+        for at in range(self.at, len(self.tokens)):
+            depth += {"(": 1, ")": -1}.get(self.tokens[at], 0)
+            if depth == 0:
+                return at
+        return len(self.tokens)
 
     def _peek(self):
         return self.tokens[self.at] if self.at < len(self.tokens) else ""

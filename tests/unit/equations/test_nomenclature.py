@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
+import sympy as sp
 
 import gearblocks as gb
+from gearblocks.equations import names
+from gearblocks.language.fields import Field
 
 
 def _words(name: str, block: gb.Block) -> dict[str, str]:
@@ -51,3 +56,70 @@ def test_the_force_of_friction_on_a_slider_is_called_one() -> None:
     rig.connect(mass.a, rig.add("brake", gb.Brake(capacity=3.0)).a)
     words = {row[0]: (row[1], row[3]) for row in rig.equations().nomenclature()}
     assert words["F_brake"] == ("force of the constraint", "N")
+
+
+def test_every_number_of_the_catalogue_has_a_letter_and_no_name_of_code() -> None:
+    kinds = [
+        x for x in (getattr(gb, n) for n in gb.__all__) if isinstance(x, type) and issubclass(x, (gb.Block, gb.Effect))
+    ]
+    words = {
+        f"{kind.__name__}.{name}"
+        for kind in kinds
+        for name, field in kind.fields.items()
+        if field.role in ("param", "exact", "signal")
+        and (
+            names.of_field(name, "", field.symbol).is_word
+            or (field.role == "signal" and _table_of(name, field).is_word)
+        )
+    }
+    assert len(kinds) > 50 and not words
+
+
+def _table_of(name: str, field: Field) -> names.Name:
+    return names.of_table(name, "", field.symbol)
+
+
+class Fan(gb.Block):
+    """Drag of a fan: its numbers have the symbols that it declares."""
+
+    flange = gb.Flange("shaft")
+    blade_loss: float = gb.param("drag per speed squared", "N m s2/rad2", gt=0, symbol="d_2")
+    spin_up = gb.State("slip of the air", symbol="gamma_1")
+
+    def physics(self, s: Any) -> Any:
+        yield gb.Acts(s.flange, -s.blade_loss * s.flange.w * abs(s.flange.w) - s.spin_up)
+        yield gb.Rate(s.spin_up, s.flange.w - s.spin_up)
+
+
+def test_a_field_and_a_state_may_declare_their_symbol() -> None:
+    rig = gb.Drivetrain("train")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    rig.connect(body.a, rig.add("fan", Fan(blade_loss=2.0)).flange)
+    symbols = {row[4]: row[0] for row in rig.equations().nomenclature()}
+    assert symbols["fan.blade_loss"] == "d2_fan" and symbols["fan.spin_up"] == "γ1_fan"
+
+
+def test_a_table_that_is_not_the_whole_of_its_field_is_told_apart_from_it() -> None:
+    table = gb.Table([0.0, 1.0], [0.0, 40.0])
+    rig = gb.Drivetrain("train")
+    rig.chain(rig.add("body", gb.Inertia(J=1.0)), rig.add("brake", gb.Brake(capacity=3 + 2 * table(gb.time))))
+    assert "C_brake = 3 + 2 C_tab_brake(t)" in str(rig.equations())
+    assert "T_brake = -C_brake(t) sgn" in str(rig.set({"brake.capacity": table}).equations())
+
+
+def test_a_symbol_that_is_wider_than_its_column_leaves_the_others_in_theirs() -> None:
+    rig = gb.Drivetrain("train")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    rig.connect(body.a, rig.add("aVeryLongNameOfWhatDrivesTheTrain", gb.Torque(tau=2.0)).flange)
+    rows = str(rig.equations().nomenclature()).splitlines()[1:]
+    assert rows[-2].strip() == "τ_aVeryLongNameOfWhatDrivesTheTrain"
+    assert rows[-1].index("torque on") == rows[0].index("angle of")
+
+
+def test_a_part_of_a_condition_that_belongs_together_stands_in_brackets() -> None:
+    w = gb.sense("body.w")._sympy_()
+    rig = gb.Drivetrain("train")
+    body = rig.add("body", gb.Inertia(J=1.0))
+    tau = sp.Piecewise((1.0, sp.Or(w > 3, sp.And(w > 1, gb.time._sympy_() > 2))), (0.0, True))
+    rig.connect(body.a, rig.add("drive", gb.Torque(tau=tau)).flange)
+    assert "or (" in str(rig.equations()) and " and " in str(rig.equations())

@@ -101,7 +101,7 @@ def test_pages_end_between_the_equations_of_an_article_and_not_within_them():
     ("factor", "printed"),
     [
         (1 / (2 * gb.pi), "t/(2 π)"), (59 / (2 * gb.pi), "59 t/(2 π)"), (2 * gb.pi * 50, "100 π t"), (gb.pi / 180, "1/180 π t"),
-        (-gb.pi / 3, "1/3 π t"), (0.1234567890123456, "0.1234567890123456 t"), (314.1593, "314.1593 t"), (3.0, "3 t"),
+        (-gb.pi / 3, "1/3 π t"), (0.12345, "0.12345 t"), (314.1593, "314.1593 t"), (3.0, "3 t"),
     ],
 )  # fmt: skip
 def test_factors_that_are_fractions_of_pi_are_printed_as_such(factor, printed):

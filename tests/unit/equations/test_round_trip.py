@@ -226,7 +226,10 @@ def _checked(rig, places):
         modes = {c.path: mode for c, mode in zip(eq.switched_constraints, drawn, strict=True)}
         found = eq.in_modes(modes)
         equations = [*of_all(read(found.latex()), owners(eq.kinds).values())]
-        sheet = _written(equations, _known(rig, model, found, t, states, outputs), tables)
+        known = _known(rig, model, found, t, states, outputs)
+        constants = [(n, e.value) for n, e in found.document().nomenclature.entries if e.words == "constant"]
+        known |= {bare(name_latex(name)): Moving(mp.mpf(value)) for name, value in constants}
+        sheet = _written(equations, known, tables)
         alpha = _accelerations(found, equations, sheet)
         largest = max((abs(x) for x in alpha), default=0)
         moved |= largest > 1e-3

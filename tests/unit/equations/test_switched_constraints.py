@@ -162,7 +162,7 @@ def test_the_losses_of_a_gear_are_written_by_direction_of_the_power_and_are_thos
     gear = rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.8), bearing=(0.1, 0.2)))
     rig.chain(rig.add("drive", gb.Torque(tau=10.0)), one, gear, two, rig.add("load", gb.Torque(tau=-5.0)))
     eq = rig.equations()
-    assert "drives, φ_one' > 0 and T_gear_tie + bearing_1_gear >= 0: T_gear_loss" in str(eq)
+    assert "drives, φ_one' > 0 and T_gear_tie + T_b1_gear >= 0: T_gear_loss" in str(eq)
     values = {f"{c.path}.{field}": x for c in rig.train().components for field, x, _ in numbers_of(c.block, "")}
     known = {s: values[p] for s, p in eq.parameters.items()}
     found = eq.in_modes({"gear.tie": 1, "gear.loss": 1})

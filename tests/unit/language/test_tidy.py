@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import inspect
 import pydoc
@@ -34,3 +35,15 @@ def test_objects_list_all_that_they_have_and_are_told_apart_by_descent() -> None
     given = gb.Parameter("n", 3000, "rpm")
     assert {"__eq__", "__hash__", "si", "unit"} <= set(dir(given))
     assert isinstance(given, gb.Parameter) and not isinstance(given, gb.Input)
+
+
+def test_signatures_show_the_defaults_themselves() -> None:
+    shown: dict[str, str] = {}
+    for module in (gb, fmu_export):
+        for name in module.__all__:
+            thing = getattr(module, name)
+            if callable(thing):
+                with contextlib.suppress(ValueError, TypeError):
+                    shown[name] = str(inspect.signature(thing))
+    assert len(shown) > 100 and "parameters: 'Mapping[str, float | str]' = {}" in shown["Scene"]
+    assert [name for name, text in shown.items() if "<factory>" in text or " at 0x" in text] == []

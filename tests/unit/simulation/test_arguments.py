@@ -88,3 +88,16 @@ def test_a_run_of_another_train_cannot_be_continued(model: gb.Model) -> None:
     other.add("a", gb.Inertia(J=1.0))
     run = gb.simulate(other, t_end=0.1)
     _refused(model, "is of another train", t_end=1.0, initial=run)
+
+
+@pytest.mark.parametrize("given", [1 / gb.time, gb.Parameter("p", 1.0), None, [1.0, 2.0], True])
+def test_an_input_that_is_given_what_it_does_not_take_says_what_it_takes(given: Any) -> None:
+    rig = gb.Drivetrain("rig")
+    rotor = rig.add("rotor", gb.Inertia(J=0.1))
+    rig.connect(rig.add("drive", gb.Torque(tau=gb.Input("tau", unit="N m"))).flange, rotor.a)
+    with pytest.raises(
+        gb.ParameterError, match=r"input 'tau' = .* must be a number, text with its unit, a gb\.Table"
+    ) as told:
+        gb.simulate(rig, t_end=0.1, inputs={"tau": given})
+    expression = isinstance(given, gb.Parameter) or "1/time" in str(told.value)
+    assert ("an expression belongs into the field" in str(told.value)) == expression

@@ -87,3 +87,11 @@ def test_the_representation_tells_what_the_run_is(make_run: Callable[..., Trajec
     words = repr(make_run())
     assert "a pair" in words and "4 samples" in words and "dp8" in words
     assert "stopped early" in repr(make_run(meta={"train": "x", "complete": False}))
+
+
+def test_amounts_that_are_rounding_beside_the_turnover_are_told_as_zero(make_run: Callable[..., Trajectory]) -> None:
+    ledger = dataclasses.replace(make_run().energy, supplied={"drive": 3.0, "gear": -3e-13}, dissipated={"mesh": 1e-9})
+    rows = {line[: line.rindex(" J")].rpartition("  ")[0].strip(): line for line in str(ledger).splitlines()[:-1]}
+    assert float(rows["supplied by gear"].split()[-2]) == 0.0 and ledger.supplied["gear"] == -3e-13
+    assert float(rows["dissipated in mesh"].split()[-2]) == 1e-9
+    assert float(rows["left over"].split()[-2]) == pytest.approx(ledger.imbalance)
