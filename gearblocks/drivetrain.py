@@ -351,7 +351,7 @@ class Drivetrain:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            raise missing_attribute("Drivetrain", name, parts=self.__dict__.get("_parts", ()))
+            raise missing_attribute(self, name, parts=self.__dict__.get("_parts", ()))
 
     def __repr__(self) -> str:
         names = [*self._parts]

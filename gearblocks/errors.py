@@ -109,22 +109,43 @@ class SimulationError(GearblocksError):
 
 
 def missing_attribute(
-    kind: str, name: str, *, parts: Iterable[str] = (), outputs: Iterable[str] = ()
+    thing: object, name: str, *, parts: Iterable[str] = (), outputs: Iterable[str] = ()
 ) -> UnknownAttributeError | AttributeError:
-    """The error of an attribute that a train or a run has not: by what it is a part, an output, or a function of its own."""
+    """The error of an attribute that a train, a run or a study has not: by what it is a part, an output, a function of its own,
+    or another attribute."""
     if name.startswith("_"):
         return AttributeError(name)
+    kind = type(thing).__name__
+    of = {"Drivetrain": "rig", "Study": "study"}.get(kind, "run")
     ways = (
         [f"rig['{name}']"]
         if name in parts
-        else [f"run['{x}']" for x in outputs if x == name or x.endswith(f".{name}")][:3]
+        else [f"{of}[{x!r}]" for x in outputs if x == name or x.endswith(f".{name}")][:3]
     )
-    if not ways and name in _FUNCTIONS:
-        ways = [f"gb.{name}({'rig' if kind == 'Drivetrain' else 'run'}, ...)"]
-    listed = "rig.outputs() and rig.parameters() list names" if kind == "Drivetrain" else "run.names lists the outputs"
+    if not ways and name in _FUNCTIONS and of != "study":
+        ways = [f"gb.{name}({of}, ...)"]
+    own = [x for x in dir(thing) if not x.startswith("_")]
+    if not ways and (meant := _MEANT.get(name)) in own:
+        ways = [f"{of}.{meant}"]
+    near = "" if ways else did_you_mean(name, own)
     return UnknownAttributeError(
-        f"a {kind} has no attribute '{name}'; {f'write {chr(32).join(ways)}' if ways else listed}"
+        f"a {kind} has no attribute '{name}'{near}; {f'write {chr(32).join(ways)}' if ways else _LISTED[of]}"
     )
+
+
+_LISTED = {
+    "rig": "rig.outputs() and rig.parameters() list names",
+    "run": "run.names lists the outputs",
+    "study": "study[name] gives a quantity or the values of a path, study.names and study.paths list these",
+}
+"""Where the names of a train, a run and a study are found."""
+
+_MEANT = {
+    "time": "t", "to_pandas": "to_dataframe", "df": "to_dataframe", "dataframe": "to_dataframe", "outputs": "names",
+    "columns": "names", "to_dataset": "to_xarray", "xarray": "to_xarray", "dataset": "to_xarray", "data": "to_xarray",
+    "coords": "paths", "svg": "draw", "to_svg": "draw",
+}  # fmt: skip
+"""Attributes by what other packages call them."""
 
 
 _FUNCTIONS = ("build", "simulate", "modes", "linearize", "sweep", "study", "campbell", "fit", "classify", "rms", "peak")

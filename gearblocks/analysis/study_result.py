@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import StorageError, UnknownNameError, did_you_mean
+from gearblocks.errors import StorageError, UnknownNameError, did_you_mean, missing_attribute
 from gearblocks.files import reason, replacing, write_bytes
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
@@ -95,15 +95,23 @@ class Study(metaclass=Tidy):
         return self.paths if self.shape else ("case",)
 
     def __getitem__(self, name: str) -> Array:
-        """Values of a quantity, shape of the grid (or (cases,)), with one more dimension for the points of a section."""
+        """Values of a quantity, shape of the grid (or (cases,)), with one more dimension for the points of a section; of a path
+        that varies its value at each of them, in that shape."""
+        if name in self.paths and name not in self.names:
+            column: Array = self.points[:, self.paths.index(name)].reshape(self.shape or (len(self.points),))
+            return column
         if name not in self.names:
-            raise UnknownNameError(
-                f"the study has no {name!r}; it has {', '.join(self.names)}{did_you_mean(name, self.names)}"
-            )
+            known = (*self.names, *self.paths)
+            raise UnknownNameError(f"the study has no {name!r}; it has {', '.join(known)}{did_you_mean(name, known)}")
         i = self.names.index(name)
         begin, width = sum(self.widths[:i]), self.widths[i]
         values = self.values[:, begin : begin + width].reshape(*(self.shape or (len(self.points),)), width)
         return values[..., 0] if self.widths[i] == 1 else values
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            raise missing_attribute(self, name, outputs=() if name.startswith("_") else (*self.names, *self.paths))
 
     def __len__(self) -> int:
         return len(self.points)
@@ -165,7 +173,11 @@ class Study(metaclass=Tidy):
             shown.append([cell.rjust(width) for cell in cells])
         lines = [line for line in ("  ".join(row).rstrip() for row in zip(*shown, strict=True)) if line]
         hidden = len(self.paths) + len(self.names) - len(shown)
-        return [*lines, f"and {hidden} more columns: to_xarray() or to_csv() has all"] if hidden else lines
+        return (
+            [*lines, f"and {hidden} more column{'s' * (hidden > 1)}: to_xarray() or to_csv() has all"]
+            if hidden
+            else lines
+        )
 
     # -- elsewhere ----------------------------------------------------------------------------------------------------
 

@@ -6,6 +6,7 @@ import inspect
 import textwrap
 from typing import Any
 
+import fmu_export
 import gearblocks as gb
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.errors import UnknownNameError, did_you_mean
@@ -15,18 +16,39 @@ from gearblocks.language.reference import Documented, Verbatim, written_doc
 
 WIDTH = 118
 
+_QUANTITIES = {
+    "distance": "The way of a Vehicle or Chassis [m], for its slope, wind and rolling resistance",
+    "driver_angle": "The angle of gear 1 [rad], for a RatioLaw and the k of a NonCircularGear",
+    "pi": "The number 3.14159...",
+    "slip": "The size of the slip [rad/s], for laws of friction over it",
+    "temperature": "The temperature of the block's heat port [K]",
+    "time": "The time of the run [s]",
+    "twist": "The twist phi_b - phi_a [rad], for the torque of a Shaft",
+}
+"""What public names mean that are no classes and no functions."""
+_OF_BLOCKS = (
+    "gearblocks.language.contributions",
+    "gearblocks.language.fields",
+    "gearblocks.language.block",
+    "gearblocks.language.watches",
+)
+"""Modules of what blocks of one's own are made of."""
+
 
 def page(name: str) -> str:
     """The reference of a public name: what help() says in Python."""
-    bare = name.removeprefix("gb.").removeprefix("gearblocks.")
-    if bare not in gb.__all__:
+    bare = name.removeprefix("gb.").removeprefix("gearblocks.").removeprefix("fmu_export.")
+    if bare not in (*gb.__all__, *fmu_export.__all__):
         raise UnknownNameError(
-            f"gearblocks has no block or other public name '{bare}'{did_you_mean(bare, gb.__all__)}; "
-            "`gearblocks doc` lists the blocks"
+            f"gearblocks has no block or other public name '{bare}'"
+            f"{did_you_mean(bare, (*gb.__all__, *fmu_export.__all__))}; `gearblocks doc` lists all names"
         )
-    value = getattr(gb, bare)
+    if bare in _QUANTITIES:
+        return f"gb.{bare}\n\n{_QUANTITIES[bare]}. Stands in expressions, such as 3 + 2*gb.sin(5*gb.time)."
+    module, prefix = (gb, "gb") if bare in gb.__all__ else (fmu_export, "fmu_export")
+    value = getattr(module, bare)
     return "\n".join([
-        _call(f"gb.{bare}", value), "", inspect.getdoc(value) or "There are no words about it.", *_methods(value),
+        _call(f"{prefix}.{bare}", value), "", inspect.getdoc(value) or "There are no words about it.", *_methods(value),
         *_answer(value),
     ])  # fmt: skip
 
@@ -39,8 +61,15 @@ def _call(name: str, value: Any) -> str:
         given = _arguments(value)
     except (TypeError, ValueError):
         return f"{name}(...)"
-    line = f"{name}({', '.join(given)})"
-    return line if len(line) <= WIDTH else "\n".join([f"{name}(", *(f"    {x}," for x in given), ")"])
+    end = f"){_returned(value)}"
+    line = f"{name}({', '.join(given)}{end}"
+    return line if len(line) <= WIDTH else "\n".join([f"{name}(", *(f"    {x}," for x in given), end])
+
+
+def _returned(value: Any) -> str:
+    """What a function answers, as it is declared."""
+    answer = "" if isinstance(value, type) else inspect.signature(value).return_annotation
+    return f" -> {answer}" if isinstance(answer, str) and answer not in ("", "None", "Any") else ""
 
 
 def _arguments(value: Any) -> list[str]:
@@ -95,13 +124,20 @@ def _names(method: Any) -> list[str]:
 
 
 def listing() -> str:
-    """Every block, effect and function of the catalogue with the first words about it."""
+    """Every public name but errors, with the first words about it."""
     values = {name: getattr(gb, name) for name in gb.__all__ if not name.startswith("_")}
-    kinds = {name: value for name, value in values.items() if isinstance(value, type)}
-    groups = (
-        ("Blocks", {n: k for n, k in kinds.items() if issubclass(k, Block) and k is not Block}),
-        ("Effects", {n: k for n, k in kinds.items() if issubclass(k, Effect) and k is not Effect}),
-        ("Functions", {n: x for n, x in values.items() if inspect.isfunction(x)}),
+    own = {n: x for n, x in values.items() if getattr(x, "__module__", "") in _OF_BLOCKS}
+    kinds = {
+        n: x for n, x in values.items() if isinstance(x, type) and n not in own and not issubclass(x, BaseException)
+    }
+    groups: tuple[tuple[str, dict[str, Any]], ...] = (
+        ("Blocks", {n: k for n, k in kinds.items() if issubclass(k, Block)}),
+        ("Effects", {n: k for n, k in kinds.items() if issubclass(k, Effect)}),
+        ("Trains, values and results", {n: k for n, k in kinds.items() if not issubclass(k, Block | Effect)}),
+        ("Functions", {n: x for n, x in values.items() if inspect.isfunction(x) and n not in own}),
+        ("In expressions, beside the functions of mathematics", dict(_QUANTITIES)),
+        ("FMUs: import fmu_export", {n: getattr(fmu_export, n) for n in fmu_export.__all__}),
+        ("For blocks of your own: see Block", own),
     )
     width = max(len(name) for _, group in groups for name in group)
     lines = []
@@ -122,7 +158,12 @@ def listing() -> str:
 
 def _words(kind: Any, width: int) -> str:
     """The first sentence, or as much of it as there is room for."""
-    words = written_doc(kind) if isinstance(kind, type) else inspect.getdoc(kind) or ""
+    words = (
+        kind if isinstance(kind, str) else written_doc(kind) if isinstance(kind, type) else inspect.getdoc(kind) or ""
+    )
     first = " ".join(words.split("\n\n")[0].split())
     end = min((i for i in (first.find(". "), first.find(": "), first.find("; ")) if i > 0), default=len(first))
-    return textwrap.shorten(first[:end].rstrip(".:,"), width, placeholder=" ...")
+    words = first[:end].rstrip(".:,")
+    if words.count("(") > words.count(")"):
+        words = words[: words.rindex("(")].rstrip()
+    return textwrap.shorten(words, width, placeholder=" ...")

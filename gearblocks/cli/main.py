@@ -111,7 +111,7 @@ def list_models(file: Annotated[str | None, typer.Argument(metavar="FILE", help=
 def doc(
     name: Annotated[str | None, typer.Argument(metavar="[NAME]", help="A public name, such as GearMesh.")] = None,
 ) -> None:
-    """Fields, flanges, outputs and an example of a block; without NAME: all blocks, a line each."""
+    """Fields, flanges, outputs and an example of a block; without NAME: all public names, a line each."""
     from gearblocks.cli import block_help
 
     say(block_help.listing() if name is None else block_help.page(name))
@@ -239,7 +239,9 @@ def export(
     train: Train,
     out: Annotated[Path, typer.Option("-o", "--out", help="The FMU to write.")],
     fmi: Annotated[str, typer.Option(metavar="2.0", help="Version of the standard; there is 2.0.")] = "2.0",
-    platform: Annotated[list[str] | None, typer.Option(help="Platform of a binary; repeatable.")] = None,
+    platform: Annotated[
+        list[str] | None, typer.Option(metavar="NAME", help="Platform of a binary: native (default).")
+    ] = None,
     change: Change = None,
     without: Without = None,
     rtol: Rtol = 1e-6,

@@ -58,7 +58,8 @@ def described(tree: Tree, effects: int) -> str:
         for path, block in blocks_of(tree)
     ]
     widths = [max((len(r[i]) for r in rows), default=0) for i in range(2)]
-    head = f"{tree.name}: {len(rows)} blocks, {effects} effects"
+    blocks, more = f"{len(rows)} block{'s' * (len(rows) != 1)}", f"{effects} effect{'s' * (effects != 1)}"
+    head = f"{tree.name}: {blocks}, {more}"
     doubts = [f"is it meant? {words}" for words in implausible(tree)]
     doubts += open_starts(tree)
     return "\n".join([head, *(f"  {a:<{widths[0]}}  {b:<{widths[1]}}  {c}" for a, b, c in rows), *doubts])

@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.codegen.program import EventTable
+from gearblocks.pages import small_table
 
 KINDS = ("state", "time", "impact")
 """What an event can be, by its number in `Events.array`."""
 ROW = np.dtype([("t", "f8"), ("component", "i4"), ("kind", "i4"), ("before", "f8"), ("after", "f8")])
 """A row of `Events.array`."""
+_LINES = 20  # of the events that print shows
 _IMPACT = 2  # in rows of the solver and in KINDS
 
 
@@ -88,6 +90,26 @@ class Events(Sequence[Event]):
         if len(self) <= 4:
             return repr(tuple(self))
         return f"<{len(self)} events of {len(self.components)} components: {self[0]}, ..., {self[-1]}>"
+
+    def __str__(self) -> str:
+        """A line each, of many the first ones."""
+        rows = self._rows(_LINES)
+        wide = max((len(component) for _, component, *_ in rows), default=0)
+        shown = [
+            f"  {t:<14}  {component:<{wide}}  {kind:<6}  {before} -> {after}"
+            for t, component, kind, before, after in rows
+        ]
+        more = [f"  ... and {len(self) - len(rows)} more; run.events.counts() says of what"] * (len(self) > len(rows))
+        counted = f"{len(self)} event{'s' * (len(self) != 1)}" if len(self) else "no events"
+        return "\n".join([counted, *shown, *more])
+
+    def _repr_html_(self) -> str:
+        head = ("t in s", "component", "kind", "before", "after")
+        return small_table(f"{len(self)} events", self._rows(len(self)), head=head, numbers=(0, 3, 4))
+
+    def _rows(self, most: int) -> list[tuple[str, str, str, str, str]]:
+        found = self._objects(self.array[:most])
+        return [(f"{e.t:.9g}", e.component, e.kind, f"{e.before:g}", f"{e.after:g}") for e in found]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Events, (np.array(self.array), self.components)

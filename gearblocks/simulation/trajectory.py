@@ -178,7 +178,7 @@ class Trajectory:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            raise missing_attribute("Trajectory", name, outputs=() if name.startswith("_") else self._columns)
+            raise missing_attribute(self, name, outputs=() if name.startswith("_") else self._columns)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)

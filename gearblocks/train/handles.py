@@ -7,6 +7,7 @@ from typing import Any, Protocol, final
 
 from gearblocks.errors import ModelError, UnknownAttributeError, did_you_mean
 from gearblocks.language.block import Block
+from gearblocks.train.summary import field_texts
 
 
 class Composition(Protocol):
@@ -96,7 +97,10 @@ class Handle:
         return hash((self._name, self._part))
 
     def __repr__(self) -> str:
-        return f"<{self._name}: {self._part!r}>"
+        part = self._part
+        if not isinstance(part, Block):
+            return f"<{self._name}: {part!r}>"
+        return f"<{self._name}: {type(part).__name__}({', '.join(field_texts(part, slides=False))})>"
 
 
 def bare(part: Any) -> Any:

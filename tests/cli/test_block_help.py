@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+import fmu_export
 import gearblocks as gb
 from gearblocks.cli.main import BAD_INPUT, main
 from gearblocks.language.reference import example_of
@@ -112,18 +113,31 @@ def test_doc_tells_no_answer_twice(name: str, capsys: pytest.CaptureFixture[str]
     assert "\nAnswers " not in capsys.readouterr().out  # it has a page of its own, or is a quantity, signal or number
 
 
-def test_doc_alone_lists_blocks_effects_and_functions_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
+def test_doc_tells_the_type_of_an_answer_and_what_quantities_mean(capsys: pytest.CaptureFixture[str]) -> None:
+    for name, says in (
+        ("sweep", "\n) -> Study\n"), ("time", "The time of the run [s]. Stands in expressions"), ("pi", "3.14159"),
+        ("fmu_export.export", "fmu_export.export(\n"), ("check", "fmu_export.check("),
+    ):  # fmt: skip
+        assert main(["doc", name]) == 0
+        assert says in capsys.readouterr().out, name
+
+
+def test_doc_alone_lists_every_name_that_is_no_error_with_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["doc"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) <= 118
     listed = {line.split()[0]: line.split(maxsplit=1)[1:] for line in lines if line.startswith("  ")}
-    functions = {name for name in gb.__all__ if inspect.isfunction(getattr(gb, name))}
-    assert set(listed) == {kind.__name__ for kind in KINDS} | functions and {"simulate", "sweep", "peak"} <= functions
-    assert all(words for words in listed.values())
+    public = {n: getattr(gb, n) for n in gb.__all__ if not n.startswith("_")}
+    errors = {n for n, x in public.items() if isinstance(x, type) and issubclass(x, BaseException)}
+    assert set(listed) == public.keys() - errors | set(fmu_export.__all__)
+    assert {"Table", "Drivetrain", "time", "export"} <= set(listed)
+    assert all(words for words in listed.values()) and not any(
+        w[0].count("(") > w[0].count(")") for w in listed.values() if not w[0].endswith("...")
+    )
 
 
 def test_an_unknown_name_names_near_ones(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["doc", "GearMsh"]) == BAD_INPUT
     error = capsys.readouterr().err
     assert "no block or other public name 'GearMsh' - did you mean 'GearMesh'?" in error
-    assert "`gearblocks doc` lists the blocks" in error
+    assert "`gearblocks doc` lists all names" in error

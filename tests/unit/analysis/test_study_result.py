@@ -228,3 +228,31 @@ def test_columns_that_do_not_fit_are_counted_and_points_that_are_not_reached_sai
     short = _made({"a": [1.0, 2.0]}, (2,), np.array([np.nan, 3.0]))
     short.done[0] = False
     assert "not done" in str(short)
+
+
+def test_the_values_of_a_path_have_the_shape_of_the_grid(grid: gb.Study, cases: gb.Study) -> None:
+    assert grid["gain"].tolist() == [[0.0, 0.0], [1e4, 1e4], [0.02, 0.02]]
+    assert grid["shaft.k"].shape == grid["peak(shaft.torque)"].shape
+    assert grid["shaft.k"][np.unravel_index(np.nanargmax(grid["peak(shaft.torque)"]), grid.shape)] in (150.0, 200.0)
+    assert cases["clutch.capacity"].tolist() == cases.points[:, 1].tolist()
+    with pytest.raises(gb.UnknownNameError, match=r"no 'shaft\.c'; it has .*shaft\.k - did you mean 'shaft\.k'"):
+        grid["shaft.c"]
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        ("gain", r"write study\['gain'\]"), ("k", r"write study\['shaft\.k'\]"), ("valus", "did you mean 'values'"),
+        ("dataset", r"write study\.to_xarray"), ("best", "study.names and study.paths"),
+    ],
+)  # fmt: skip
+def test_an_attribute_that_a_study_has_not_says_where_it_is(grid: gb.Study, name: str, way: str) -> None:
+    with pytest.raises(AttributeError, match=rf"a Study has no attribute '{name}'.*{way}"):
+        getattr(grid, name)
+
+
+def test_one_column_that_does_not_fit_is_one() -> None:
+    lines = str(
+        _made({f"a_longer_path.of_a_value_{i}": [1.0, 2.0] for i in range(4)}, (), np.array([1.0, 3.0]))
+    ).splitlines()
+    assert lines[-1] == "and 1 more column: to_xarray() or to_csv() has all"

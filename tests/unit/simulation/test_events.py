@@ -82,3 +82,13 @@ def test_changes_of_one_component_at_one_instant_are_one_change_or_none():
     assert net((0.5, *there[1:]), there, back, (2.0, *back[1:])) == [(0.5, *shown[1:]), (2.0, "x", "state", 1.0, 0.0)]
     for other in ((2.0, *back[1:]), (1.0, 1, 0, 1.0, 0.0), (1.0, 0, 2, 1.0, 0.0), (1.0, 0, 0, 2.0, 0.0)):
         assert len(net(there, other)) == 2
+
+
+def test_print_shows_a_line_for_each_event_and_of_many_the_first_ones() -> None:
+    shown = str(Events.of(LISTED)).splitlines()
+    assert shown[0] == f"{len(LISTED)} events" and len(shown) == 1 + len(LISTED)
+    assert f"{LISTED[0].before:g} -> {LISTED[0].after:g}" in shown[1] and LISTED[0].component in shown[1]
+    many = str(Events.of([LISTED[0]] * 50)).splitlines()
+    assert len(many) == 22 and many[-1].strip() == "... and 30 more; run.events.counts() says of what"
+    assert str(Events.of([])) == "no events" and str(Events.of(LISTED[:1])).startswith("1 event\n")
+    assert Events.of([LISTED[0]] * 50)._repr_html_().count("<tr") > 20

@@ -95,3 +95,14 @@ def test_amounts_that_are_rounding_beside_the_turnover_are_told_as_zero(make_run
     assert float(rows["supplied by gear"].split()[-2]) == 0.0 and ledger.supplied["gear"] == -3e-13
     assert float(rows["dissipated in mesh"].split()[-2]) == 1e-9
     assert float(rows["left over"].split()[-2]) == pytest.approx(ledger.imbalance)
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [("time", r"write run\.t$"), ("plots", "did you mean 'plot'"), ("to_pandas", r"write run\.to_dataframe$")],
+)
+def test_an_attribute_that_a_run_has_not_says_which_it_has(
+    make_run: Callable[..., Trajectory], name: str, way: str
+) -> None:
+    with pytest.raises(AttributeError, match=rf"a Trajectory has no attribute '{name}'.*{way}"):
+        getattr(make_run(), name)

@@ -126,5 +126,11 @@ def test_a_train_and_a_run_say_where_what_they_have_not_is() -> None:
     run = gb.simulate(body, t_end=0.1)
     assert pickle.loads(pickle.dumps(run))["disc.w"][-1] == 1.0 and copy.deepcopy(run).t[-1] == 0.1
     for name, words in (("w", r"run\['disc\.w'\]"), ("rmss", r"run\.names lists"), ("modes", r"gb\.modes\(run")):
-        with pytest.raises(UnknownAttributeError, match=rf"a Trajectory has no attribute '{name}'; .*{words}"):
+        with pytest.raises(UnknownAttributeError, match=rf"a Trajectory has no attribute '{name}'.*; .*{words}"):
             getattr(run, name)
+
+
+def test_a_handle_shows_its_values_as_they_were_given() -> None:
+    rig = gb.Drivetrain("rig")
+    shaft = rig.add("shaft", gb.Shaft(k="20 kN m/rad", c=4e-5))
+    assert repr(shaft) == repr(rig["shaft"]) == "<shaft: Shaft(k = 20 kN m/rad, c = 4e-5 N m s/rad)>"
