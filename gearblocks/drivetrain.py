@@ -22,7 +22,7 @@ from gearblocks.train.handles import FlangeHandle, Handle, bare, end_of, lost_fl
 from gearblocks.train.leaves import with_parameter
 from gearblocks.train.left_out import LeftOut, left_out_of
 from gearblocks.train.plausibility import warn_of_doubts
-from gearblocks.train.values import field_paths, replaced, unique_path, value_problems
+from gearblocks.train.values import field_paths, gone_with_effect, replaced, unique_path, value_problems
 
 if TYPE_CHECKING:
     from gearblocks.drawing.drawing import Drawing
@@ -83,7 +83,8 @@ class Drivetrain:
         """Joins two or more flanges to one shaft. May be repeated; joined flanges turn together."""
         ends = [end_of(self, f) for f in flanges]
         if len(ends) < 2:
-            raise ModelError("connect needs at least two flanges")
+            given = f", not {flanges[0]!r} alone" if flanges else ""
+            raise ModelError(f"connect needs at least two flanges{given}: rig.connect(motor.b, shaft.a)")
         if len(set(ends)) < len(ends):
             twice = next(e for e in ends if ends.count(e) > 1)
             raise ModelError(f"flange {twice[0]}.{twice[1]} is connected to itself")
@@ -187,7 +188,9 @@ class Drivetrain:
                     owner._before[name] = replaced(before, rest.split("."), value)
                 changed[found[: -len(rest) - 1] if rest else found] = (owner, name)
             except ModelError as error:
-                problems += error.problems
+                before_it = ((p, x._before.get(n)) for p, x, n, _ in self._walk())
+                gone = path not in paths and gone_with_effect(path, before_it, self.dropped)
+                problems += [gone] if gone else [x if str(path) in x else f"'{path}': {x}" for x in error.problems]
         for path, (owner, name) in changed.items():
             problems += [*_part_problems(path, owner._parts[name])] or [
                 *lost_flanges(Handle(owner, name, owner._parts[name]), (*owner._links, owner._exposed.values()))

@@ -18,6 +18,7 @@ from gearblocks.errors import StorageError, UnknownNameError, did_you_mean, miss
 from gearblocks.files import reason, replacing, write_bytes
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
+from gearblocks.train.summary import span_text
 
 if TYPE_CHECKING:
     import xarray
@@ -126,7 +127,7 @@ class Study(metaclass=Tidy):
         for name, unit in zip(self.names, self.name_units, strict=True):
             found = self[name]
             known = found[np.isfinite(found)]
-            span = f"{known.min():.6g} .. {known.max():.6g}" if known.size else "no value"
+            span = span_text(known.min(), known.max()) if known.size else "no value"
             each = found.reshape(len(self.points), -1)
             none = int((np.isnan(each).all(axis=1) & self.done & ~self.failed).sum()) if known.size else 0
             said = f", none at {none} of {len(self.points)} points" if none else ""

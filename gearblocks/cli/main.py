@@ -7,6 +7,7 @@ Exit status: 0 done; 1 it ran and the answer is no; 2 bad input. Errors are one 
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 from collections.abc import Sequence
 from enum import StrEnum
@@ -21,10 +22,24 @@ from gearblocks.cli.costs import cost
 from gearblocks.cli.drawing import draw
 from gearblocks.cli.effects import effects
 from gearblocks.cli.terminal import accept_every_character, complain, in_the_shell, progress, say, say_page
-from gearblocks.cli.trains import Change, End, Initial, Method, Rtol, Step, Train, Without, asked, built, named, threads
+from gearblocks.cli.trains import (
+    Change,
+    End,
+    Initial,
+    Method,
+    Rtol,
+    Step,
+    Train,
+    Without,
+    asked,
+    built,
+    named,
+    threads,
+    unit_apart,
+)
 from gearblocks.errors import CompileError, GearblocksError, SimulationError
 
-NO, BAD_INPUT = 1, 2
+NO, BAD_INPUT, STOPPED = 1, 2, 130
 
 app = typer.Typer(
     help="Drivetrains from blocks: equations of motion, fast runs, FMUs.",
@@ -298,11 +313,17 @@ def hard(
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the shell with `arguments` (those of the process where None); the answer is the exit status."""
     accept_every_character()
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    if apart := unit_apart(given):
+        complain(apart)
+        return BAD_INPUT
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, *_, **__: complain(in_the_shell(f"warning: {message}"))
         try:
             app(args=None if arguments is None else list(arguments), prog_name="gearblocks")
         except SystemExit as stop:
+            if stop.code == STOPPED:
+                complain("stopped by Ctrl-C; what had been written until then is kept")
             return stop.code if isinstance(stop.code, int) else NO
         except GearblocksError as error:
             complain(in_the_shell(str(error)))

@@ -36,6 +36,8 @@ def grid(t_end: float, t_start: float = 0.0) -> Any:
 
 def report(result: Trajectory, shown: Sequence[str]) -> None:
     """Print what the run was, and the range of the outputs named."""
+    from gearblocks.train.summary import span_text
+
     if not len(result.t):
         say(f"{result.name}: no samples")
         return
@@ -45,7 +47,7 @@ def report(result: Trajectory, shown: Sequence[str]) -> None:
     width = max((len(name) for name in shown), default=0)
     for name in shown:
         unit = "" if result.units[name] == "1" else result.units[name]
-        say(f"  {name:<{width}}  {result[name].min(): .6g} .. {result[name].max(): .6g} {unit}".rstrip())
+        say(f"  {name:<{width}}  {span_text(result[name].min(), result[name].max())} {unit}".rstrip())
 
 
 def answers(result: Trajectory, scene: Scene) -> None:

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
+from gearblocks.files import reason
 
 if TYPE_CHECKING:
     from gearblocks.analysis.scenes.scene import Scene
@@ -60,6 +61,10 @@ def locate(text: str) -> tuple[Path, str]:
         return models[file], name
     if path.is_dir():
         raise StorageError(f"'{file}' is a folder; name the script in it")
+    if len(path.parts) == 1 and path.stem in models:
+        raise StorageError(
+            f"there is no file '{file}' here; the shipped model is named '{path.stem}', without an ending"
+        )
     if path.suffix in (".py", ".json") or len(path.parts) > 1:
         near = [one.name for one in path.parent.glob(f"*{path.suffix}")] if path.parent.is_dir() else []
         raise StorageError(
@@ -135,9 +140,14 @@ def load(path: Path) -> ModuleType:
     folder = str(path.resolve().parent)
     sys.path.insert(0, folder)
     try:
+        path.read_bytes()
         spec.loader.exec_module(module)
     except GearblocksError:
         raise
+    except PermissionError as error:
+        if error.filename != str(path):
+            raise ModelError(_trouble(path, error)) from error
+        raise StorageError(f"cannot read '{path}': {reason(error)}; copy it to where you may read it") from error
     except Exception as error:
         raise ModelError(_trouble(path, error)) from error
     finally:

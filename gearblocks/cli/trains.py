@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
@@ -129,7 +130,26 @@ def built(text: str, change: Sequence[str] | None, without: Sequence[str] | None
         if path in tunable or sum(name.endswith("." + path) for name in tunable) == 1
     }
     rest = {path: value for path, value in changes.items() if path not in tuned}
+    rig.set(
+        {path: value for path, value in tuned.items() if path in rig.field_paths()}
+    )  # warns of what is hardly meant
     return Built(build(rig.set(rest)) if rest else model, tuned, scene)
+
+
+def unit_apart(arguments: Sequence[str]) -> str:
+    """What is wrong where a value and its unit stand apart, as in --t-end 10 ms; else empty."""
+    from gearblocks.language.units import is_quantity, parse_unit
+
+    for option, value, unit in zip(arguments, arguments[1:], arguments[2:], strict=False):
+        number = value.rpartition("=")[2]
+        if option.startswith("--") and not unit.startswith("-") and not Path(unit).exists() and not is_quantity(number):
+            try:
+                float(number)
+                parse_unit(unit)
+            except (ValueError, ParameterError):
+                continue
+            return f"{option} {value} {unit}: a value and its unit stand together: {option} {value}{unit}"
+    return ""
 
 
 def assigned(texts: Sequence[str] | None) -> dict[str, float | str]:

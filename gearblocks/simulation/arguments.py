@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,7 +29,7 @@ from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Counters, Kind, Method, Options
 from gearblocks.train.graph import blocks_of
 from gearblocks.train.summary import expression_text
-from gearblocks.train.values import field_paths
+from gearblocks.train.values import field_paths, gone_with_effect
 
 Start: TypeAlias = "Mapping[str, float | str] | Trajectory | Rolling | str | None"
 """What `initial` takes."""
@@ -248,6 +248,9 @@ def _number_of_parameter(model: Model, path: str) -> int:
                     raise ParameterError(
                         f"'{full}' is structural, no parameter of a run: make a new train with rig.set({{'{full}': ...}})"
                     ) from None
+        left = model.left_out
+        if left is not None and (gone := gone_with_effect(path, ((n, b) for n, b, _ in left.blocks), left.names)):
+            raise UnknownNameError(gone) from None
         raise
 
 
@@ -336,6 +339,11 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
     sim.inputs[:] = program.input_starts
     for name, given in by_name("inputs", sources).items():
         source = table_of_series(name, given)
+        if not names:
+            raise UnknownNameError(
+                f"there is no input '{name}', and the train has none: an input is declared where its value stands, such as "
+                f"gb.Torque(tau=gb.Input('{name}', unit='N m')); other values are changed by parameters={{path: value}}"
+            )
         i = resolve(name, names, "input")
         info = program.inputs[i]
         if info.given_in and (isinstance(source, Table) or callable(source)):
@@ -346,11 +354,19 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
             kind = {"linear": Kind.LINEAR, "step": Kind.STEP, "cubic": Kind.CUBIC}[source.kind]
             sim.set_table(i, kind, np.asarray(source.x), np.asarray(source.y), source.second, period)
         elif callable(source):
-            sim.set_function(i, source)
+            sim.set_function(i, partial(_answered, source))
         else:
             what = f"input '{info.name}'"
             _check_source(what, source)
             sim.inputs[i] = checked(what, number_of(what, source, info), info.unit, None, None)
+
+
+def _answered(source: Callable[[float], float], t: float) -> float:
+    """What an input function answers. TypeError where that is no number."""
+    value = source(t)
+    if not hasattr(value, "__float__") or getattr(value, "shape", ()) != ():
+        raise TypeError(f"it answered {value!r:.60}")
+    return value
 
 
 def _check_source(what: str, source: Any) -> None:

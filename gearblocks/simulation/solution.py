@@ -19,6 +19,7 @@ from gearblocks.language.units import seconds
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.needs import Along, Needs, Solution
 from gearblocks.simulation.sampled_run import Run, SampledRun
+from gearblocks.train.summary import span_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,6 +38,10 @@ class Extremes(NamedTuple):
     low_at: float
     high: float
     high_at: float
+
+    def __str__(self) -> str:
+        low, high = span_text(self.low, self.high).split(" .. ")
+        return f"low {low} at {self.low_at:.6g} s, high {high} at {self.high_at:.6g} s"
 
 
 @final

@@ -120,14 +120,20 @@ def end_of(owner: Any, flange: Any) -> tuple[str, str]:
     if isinstance(flange, Handle):
         raise ModelError(f"connect joins flanges: name one of {flange._name}.{{{', '.join(flange.flanges)}}}")
     if not isinstance(flange, FlangeHandle) or flange.owner is not owner:
-        raise ModelError(f"{flange!r} is no flange of '{owner.name}': use the handle that add returned")
+        way = "use the handle that add returned"
+        part, _, end = flange.rpartition(".") if isinstance(flange, str) else ("", "", "")
+        if part in owner:
+            has = owner[part].flanges
+            way = f"write rig['{part}'].{end}" if end in has else f"'{part}' has {', '.join(has)}"
+        raise ModelError(f"{flange!r} is no flange of '{owner.name}': {way}")
     return (flange.part, flange.flange)
 
 
 def main_ends(owner: Any, part: Any) -> list[tuple[str, str]]:
     """The one or two flanges by which a chain passes through a part of a drivetrain. Raises ModelError."""
     if not isinstance(part, Handle) or part._owner is not owner:
-        raise ModelError(f"{part!r} is no part of '{owner.name}': use the handle that add returned")
+        way = f"write rig['{part}']" if isinstance(part, str) and part in owner else "use the handle that add returned"
+        raise ModelError(f"{part!r} is no part of '{owner.name}': {way}")
     if isinstance(part._part, Block):
         main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
     else:

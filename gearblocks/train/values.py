@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -77,6 +77,8 @@ def _row_wanted(owner: type[Declared], name: str, value: Any) -> str:
     """The row of numbers that a field asks for, with the value in it."""
     declared = re.match(r"tuple\[([^]]*)]", str(annotation_of(owner, name)))
     entries = declared[1].split(",") if declared else []
+    if isinstance(value, str) and "," in value:
+        return f"a row of numbers, given one by one: {name}[0] = {value.split(',')[0].strip(' ([')} and so on"
     if len(entries) < 2 or entries[-1].strip() == "...":
         return f"a row of numbers such as ({value!r:.40},)"
     return f"a row of {len(entries)} numbers such as ({', '.join([f'{value!r:.20}'] * len(entries))})"
@@ -220,7 +222,9 @@ def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ..
             ("<", lt, lt is None or x < lt), ("<=", le, le is None or x <= le),
         ) if not holds
     ]  # fmt: skip
-    return f"{name} = {x!r}{unit} must be {' and '.join(broken)}" if broken else ""
+    percent = f"; {x:g} % is {x / 100:g} or '{x:g} %'" if lt == 1 or le == 1 else ""
+    percent = percent if 1 < x <= 100 and unit.strip() in ("", "1") else ""
+    return f"{name} = {x!r}{unit} must be {' and '.join(broken)}{percent}" if broken else ""
 
 
 def field_paths(owner: Declared) -> Iterator[str]:
@@ -232,6 +236,17 @@ def field_paths(owner: Declared) -> Iterator[str]:
             yield from (f"{name}.{rest}" for rest in field_paths(value))
         elif isinstance(value, tuple):
             yield from (f"{name}[{i}]" for i in range(len(value)))
+
+
+def gone_with_effect(path: str, before: Iterable[tuple[str, Declared | None]], dropped: Iterable[str]) -> str:
+    """That a path is of something that was left out, in words; else empty. before: blocks as they were, by path; dropped: the
+    effects that went."""
+    was = [f"{name}.{field}" for name, block in before if block is not None for field in field_paths(block)]
+    if not isinstance(path, str) or not any(x == path or x.endswith(f".{path}") for x in was):
+        return ""
+    return (
+        f"'{path}' went with what was left out of this train ({', '.join(dropped)}); set it before, or keep its effect"
+    )
 
 
 def unique_path(path: str, known: set[str]) -> str:

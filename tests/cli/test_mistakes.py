@@ -14,7 +14,7 @@ import pytest
 
 import gearblocks as gb
 from gearblocks.cli.beginnings import TEMPLATE
-from gearblocks.cli.main import main
+from gearblocks.cli.main import BAD_INPUT, main
 from gearblocks.errors import GearblocksError, GearblocksWarning
 
 MISTAKES = tomllib.loads((Path(__file__).parent / "mistakes.toml").read_text(encoding="utf-8"))["mistake"]
@@ -81,3 +81,40 @@ def test_the_table_holds_forty_mistakes_and_every_way_out_is_one() -> None:
     for one in MISTAKES:
         rule, way_out = one["says"][2:]
         assert rule != way_out or ADMITTED.match(rule), f"{one['name']}: '{rule}' says what is wrong, not what to do"
+
+
+def test_ctrl_c_is_answered_by_words_and_a_status(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stopped() -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("gearblocks.cli.block_help.listing", stopped)
+    assert main(["doc"]) != 0
+    assert "stopped by Ctrl-C; what had been written until then is kept" in capsys.readouterr().err
+
+
+def test_a_script_that_may_not_be_read_is_said_to_be_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    script = tmp_path / "rig.py"
+    script.write_text("x = 3\n", encoding="utf-8")
+
+    def refused(self: Path) -> bytes:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "read_bytes", refused)
+    assert main(["run", str(script)]) == BAD_INPUT
+    assert f"cannot read '{script}': permission denied; copy it to where you may read it" in capsys.readouterr().err
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_value_in_another_unit_than_it_is_meant_in_is_warned_of(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    script = tmp_path / "rig.py"
+    assert main(["new", str(script)]) == 0
+    assert main(["run", str(script), "--t-end", "1ms", "--set", "mesh.module=4"]) == 0
+    told = capsys.readouterr()
+    assert "warning: GearMesh mesh.module = 4 m (normal module) is implausible" in told.err
+    assert "mesh.force  " in told.out and "e-2" not in told.out.split("mesh.force")[1].splitlines()[0]

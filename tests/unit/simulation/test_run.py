@@ -50,7 +50,7 @@ def _failing(model: gb.Model, **arguments: Any) -> gb.SimulationError:
         (lambda: NAN, "the input became NaN or infinite", type(None)),
         (lambda: INF, "the input became NaN or infinite", type(None)),
         (lambda: None, "the input function raised", TypeError),
-        (lambda: "x", "the input function raised", ValueError),
+        (lambda: "x", "the input function raised TypeError: it answered 'x'", TypeError),
         (lambda: 1j, "the input function raised", TypeError),
         (lambda: 1 / 0, "the input function raised", ZeroDivisionError),
         (lambda: {}["x"], "the input function raised", KeyError),

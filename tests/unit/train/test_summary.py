@@ -7,7 +7,7 @@ import math
 import pytest
 
 import gearblocks as gb
-from gearblocks.train.summary import expression_text, number_text
+from gearblocks.train.summary import expression_text, number_text, span_text
 
 
 @pytest.mark.parametrize(
@@ -51,3 +51,11 @@ def test_expressions_and_tables_are_told_without_what_the_code_calls_them() -> N
     tau = 0.1 * 3 * table(gb.time + 1) - gb.Parameter("p", 2.0) / gb.time
     assert "tau = 0.3*table(time + 1) - p/time N m" in _line(drive=gb.Torque(tau=tau))
     assert expression_text(1 / gb.time) == "1/time"
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "text"),
+    [(-1.687e-12, 1424.38, "0 .. 1424.38"), (-2.0, 3e-15, "-2 .. 0"), (1e-20, 2e-20, "1e-20 .. 2e-20")],
+)
+def test_an_end_of_a_range_that_is_rounding_beside_the_other_one_is_zero(low: float, high: float, text: str) -> None:
+    assert span_text(low, high) == text
