@@ -138,11 +138,11 @@ def built(text: str, change: Sequence[str] | None, without: Sequence[str] | None
 
 def unit_apart(arguments: Sequence[str]) -> str:
     """What is wrong where a value and its unit stand apart, as in --t-end 10 ms; else empty."""
-    from gearblocks.language.units import is_quantity, parse_unit
-
     for option, value, unit in zip(arguments, arguments[1:], arguments[2:], strict=False):
         number = value.rpartition("=")[2]
-        if option.startswith("--") and not unit.startswith("-") and not Path(unit).exists() and not is_quantity(number):
+        if option.startswith("--") and not unit.startswith("-") and not Path(unit).exists():
+            from gearblocks.language.units import parse_unit
+
             try:
                 float(number)
                 parse_unit(unit)
