@@ -38,7 +38,7 @@ from gearblocks.codegen.output_names import (
 )
 from gearblocks.codegen.parts import FeedbackSignal
 from gearblocks.codegen.program import EnergyInfo, IntegralInfo, Program
-from gearblocks.codegen.rigid_train import body_rows, deflection_rows, group_starts, slip_rows
+from gearblocks.codegen.rigid_train import algebraic_slips, body_rows, deflection_rows, group_starts, slip_rows
 from gearblocks.codegen.switched_constraints import constraint_torques, lay_out_switched_constraints, loss_offsets
 from gearblocks.codegen.switches import event_functions, lay_out_switches
 from gearblocks.codegen.symbol_names import Offsets
@@ -262,7 +262,7 @@ def _program(g: Generator, source: str, key: str, lanes: str) -> Program:
         g.outputs, tuple(g.energies), tuple(g.integrals), lay.n, lay.n_padded, lay.n_total,
         tuple(start_infos(g)), g.assembly.structural, (*dependent_starts(g), *lossy_starts(g)),
         tuple(prescribed_starts(g)), tuple(unknown_outputs(g)), lanes, tuple(group_starts(g)), tuple(body_rows(g)),
-        tuple(deflection_rows(g)), tuple(slip_rows(g)), tuple(heat_infos(g)),
+        tuple(deflection_rows(g)), tuple(slip_rows(g)), tuple(heat_infos(g)), tuple(algebraic_slips(g)),
     )  # fmt: skip
 
 

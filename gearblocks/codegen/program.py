@@ -177,6 +177,25 @@ class RigidRow(NamedTuple):
     varying: bool = False
 
 
+class AlgebraicSlip(NamedTuple):
+    """A constraint whose force is algebraic, as a shaft without inertia needs it: component, groups and factors of its slip as
+    of a RigidRow; tie: a lossy gear's, which is held always. switches: two of which the event functions, where it is stuck,
+    are force - bound and -force - bound (-1: no bound that way), and one that is 1 where it is engaged (-1: always); pressed:
+    parameters that are all > 0 where it is."""
+
+    component: str
+    groups: tuple[int, ...]
+    factors: tuple[float, ...]
+    tie: bool
+    switches: tuple[int, ...] = (-1, -1, -1)
+    pressed: tuple[int, ...] = ()
+
+    @property
+    def row(self) -> RigidRow:
+        """Its slip."""
+        return RigidRow(self.component, self.groups, self.factors, (), ())
+
+
 UNKNOWN = -2
 _COUNTED = ("states", "parameters", "inputs", "switches", "outputs")
 """What a program says about itself, besides its name."""
@@ -201,7 +220,7 @@ class Program:
     structural: values of parameters that the structure rests on (ratios); another value needs another program.
     unknown: names of outputs that are NaN: accelerations of shafts without inertia.
     lanes: the laws over lanes in C (solver/lanes.py); "" where the train cannot be stepped so.
-    groups, bodies, deflections, slips: the train as it turns undeformed, see GroupStart and RigidRow.
+    groups, bodies, deflections, slips, algebraic_slips: the train as it turns undeformed, see GroupStart and RigidRow.
     """
 
     name: str
@@ -228,6 +247,7 @@ class Program:
     deflections: tuple[RigidRow, ...] = ()
     slips: tuple[RigidRow, ...] = ()
     heat: tuple[HeatInfo, ...] = ()
+    algebraic_slips: tuple[AlgebraicSlip, ...] = ()
 
     @cached_property
     def output_numbers(self) -> Mapping[str, int]:

@@ -16,11 +16,12 @@ from gearblocks.assembly.tables import GROUND_GROUP
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.output_names import components_of, shown_bodies
-from gearblocks.codegen.program import UNKNOWN, GroupStart, RigidRow
+from gearblocks.codegen.program import UNKNOWN, AlgebraicSlip, GroupStart, RigidRow
 from gearblocks.language.block import given_start
 from gearblocks.language.fields import ACCELERATION, ANGLE, COMPLIANCE, RELATIVE_ANGLE, RELATIVE_SPEED, SPEED
 from gearblocks.language.signals import Parameter
-from gearblocks.laws.rational import Exact
+from gearblocks.laws.algebraic_friction import slip_laws
+from gearblocks.laws.rational import Exact, exact_value
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names
 
@@ -122,6 +123,32 @@ def slip_rows(g: Generator) -> Iterator[RigidRow]:
         for group, value in member.row.items():
             form.add(expanded.get(group, Combination({group: 1})), value)  # type: ignore[arg-type]  # floats
         yield RigidRow(member.path, *_parts(g, form))
+
+
+def algebraic_slips(g: Generator) -> Iterator[AlgebraicSlip]:
+    """The slips of ties and friction whose forces are algebraic."""
+    if not g.assembly.force_unknowns:
+        return
+    expanded = expand_rows(g.assembly)
+    for code in g.codes:
+        batch = code.batch
+        flanges = type(components_of(g, code)[0].block).flanges
+        for law in slip_laws(code.law, flanges):
+            numbers = (law.forward, law.backward, law.engaged)
+            forward, backward, engaged = (None if i is None else code.offsets.switches[i] for i in numbers)
+            for e, path in enumerate(code.paths):
+                form = Combination()
+                for flange, expr in law.row.items():
+                    group = batch.groups[flange][e]
+                    if group != GROUND_GROUP:
+                        gain = exact_value(expr, {s: v[e] for s, v in batch.exact.items()}) * batch.gains[flange][e]
+                        form.add(expanded.get(group, Combination({group: 1})), gain)
+                groups, factors, _, _ = _parts(g, form)
+                switches = (-1 if x is None else x + e for x in (forward, backward, engaged))
+                pressed = tuple(
+                    g.lay.shared[x.of] if x.role == "shared" else g.lay.path_of[f"{path}.{x.of}"] for x in law.pressed
+                )
+                yield AlgebraicSlip(path, groups, factors, law.tie, tuple(switches), pressed)
 
 
 def _over_groups(g: Generator, form: Combination) -> Combination:

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -27,6 +27,7 @@ from gearblocks.laws.checks import in_pair
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.law import Law
 from gearblocks.laws.switched_constraints import along_slip, row_of
+from gearblocks.laws.symbols import SymbolRole
 
 _LEAST = sp.Float(1e-300)
 """Above this it is engaged: what falls to 0 exactly has crossed it."""
@@ -54,6 +55,40 @@ def tie_row(law: Law) -> dict[str, Any]:
     speeds = {meaning.of: x for x, meaning in law.pool.roles.items() if meaning.role == "w"}
     balance = law.torques[TIE].xreplace(law.forces)
     return {f: -c for f, x in speeds.items() if (c := sp.diff(balance, x)) != 0 and f != TIE}
+
+
+class SlipLaw(NamedTuple):
+    """A constraint of a law whose force is an unknown: its row over the flange speeds, and the numbers of its event functions
+    (see Program.algebraic_slips), None where it has none; pressed: numbers whose product is its engagement, where these are
+    constant."""
+
+    row: Mapping[str, Any]
+    tie: bool
+    forward: int | None = None
+    backward: int | None = None
+    engaged: int | None = None
+    pressed: tuple[SymbolRole, ...] = ()
+
+
+def slip_laws(law: Law, flanges: Mapping[str, Any]) -> Iterator[SlipLaw]:
+    """Ties, friction and locks whose forces are unknowns; losses of gears aside."""
+    for unknown, flange in flanges.items():
+        if not isinstance(flange, ForceUnknown) or unknown == unknown_name("loss"):
+            continue
+        if unknown == TIE:
+            yield SlipLaw(tie_row(law), True)
+            continue
+        mine = [i for i, x in enumerate(law.switches) if unknown_name(x.name) == unknown and x.constraint is None]
+        found = {(law.switches[i].low, law.switches[i].high): i for i in mine}
+        sides = found.get((0.0, 1.0)), found.get((0.0, -1.0)), found.get((2.0, 0.0))
+        stuck = {law.switches[i].symbol: sp.Integer(i == sides[2]) for i in mine}
+        balance = law.torques[unknown].xreplace(law.forces).xreplace(stuck)
+        constant = balance.atoms(sp.Heaviside)
+        balance = sp.expand(balance.xreplace(dict.fromkeys(constant, sp.Integer(1))))
+        speeds = {meaning.of: x for x, meaning in law.pool.roles.items() if meaning.role == "w"}
+        row = {f: c for f, x in speeds.items() if (c := sp.diff(balance, x)) != 0 and f != unknown}
+        factors = [x for e in constant for x in sp.Mul.make_args(e.args[0] + _LEAST)]
+        yield SlipLaw(row, False, *sides, tuple(law.pool.roles[x] for x in factors if x.is_Symbol))
 
 
 def with_algebraic_forces(block: Block, constraints: tuple[str, ...], *, lost_behind: bool = False) -> Block:
@@ -186,7 +221,7 @@ def _friction(s: Any, name: str, slip: Any, bounds: _Bounds, engaged: Any = 1, i
     if not sp.sympify(engaged).is_number:
         on = sp.Heaviside(engaged - _LEAST, 1)
         made.items.append(Switch(name, engaged - _LEAST, low=2.0, high=0.0))
-    sides, sliding = [], sp.Integer(0)
+    sides, sliding, one_sided = [], sp.Integer(0), bounds.forward is None or bounds.backward is None
     for sign, bound, at_rest in (
         (1, bounds.forward, bounds.stuck_forward),
         (-1, bounds.backward, bounds.stuck_backward),
@@ -195,6 +230,9 @@ def _friction(s: Any, name: str, slip: Any, bounds: _Bounds, engaged: Any = 1, i
             sides.append(sp.Integer(0))
             continue
         surface = sign * pressed - (slides * bound + (1 - slides) * (at_rest + _LEAST))
+        if one_sided:  # q alone while it is stuck, as its bound may be 0 and the slip is rounding
+            held = slides * sign * slip + (1 - slides) * (sign * force - at_rest - _LEAST)
+            surface = on * held + (1 - on) * surface
         made.items.append(Switch(name, surface, low=0.0, high=float(sign)))
         sides.append(sp.Heaviside(surface, 1))
         sliding += sign * sides[-1] * bound

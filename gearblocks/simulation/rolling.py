@@ -23,6 +23,7 @@ from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.language.starts import Rolling, is_rolling
 from gearblocks.simulation.arguments import checked, resolve, start_number
 from gearblocks.simulation.failures import reason
+from gearblocks.simulation.held_slips import Held, engaged, ties
 from gearblocks.simulation.rolling_rows import RowsTaken
 from gearblocks.simulation.varying_ratios import VaryingRatios, varies, varying_ratios
 from gearblocks.solver.binding import Simulation
@@ -32,7 +33,6 @@ from gearblocks.solver.matrix_algebra import algebra_of
 from gearblocks.solver.point import Point, opened
 from gearblocks.solver.rigid_motion import AGREES
 from gearblocks.solver.structures import Array, Code
-from gearblocks.solver.switched_constraints import ConstraintKind
 
 _NONE = VaryingRatios((), {})
 _ROUNDS, _MET = 60, 1e-9  # of Newton's method; a change of angles below which it may end, where it gets no smaller
@@ -239,7 +239,7 @@ def _angles(
     names = [row.angle for row in program.bodies]
     _give_named(solving, named, names)
     _give_own(solving, own, named, names)
-    for row in _ties(point):
+    for row in ties(point):
         solving.take(row, 0.0)
     for row in program.bodies:
         if not any(program.groups[g].varying for g in row.groups):
@@ -281,7 +281,7 @@ def _speeds(
         solving.take(tangent.row, tangent.rate)
     moving = {i: tangent.rate for i, tangent in varying.deflections.items()}
     deflections = [varying.deflections[i].row if i in moving else row for i, row in enumerate(program.deflections)]
-    for i, row in enumerate((*deflections, *_ties(point))):
+    for i, row in enumerate((*deflections, *ties(point))):
         wanted = _present(program, row, vector, speeds=True) if row.gives_speed else moving.get(i, 0.0)
         if not solving.take(row, wanted):
             left = solving.motion.left(solving.factors(row))[1] - wanted
@@ -299,12 +299,6 @@ def _speeds(
     return solving.values(_least_energy(solving, point))
 
 
-def _ties(point: Point) -> list[RigidRow]:
-    """The ties of lossy gears."""
-    kinds = (x.kind for x in point.sim.constraints().constraints)
-    return [row for row, kind in zip(point.program.slips, kinds, strict=True) if kind is ConstraintKind.TIE]
-
-
 def _size(solving: RowsTaken, row: RigidRow) -> float:
     """The largest speed that a row compares."""
     terms = (abs(c * solving.motion.left({g: 1.0})[1]) for g, c in solving.factors(row).items())
@@ -314,28 +308,24 @@ def _size(solving: RowsTaken, row: RigidRow) -> float:
 def _hold(solving: RowsTaken, point: Point, *, beside_named: bool = False) -> set[int]:
     """No slip in what is engaged, the strongest first; stops between two bodies take each other along last. beside_named: only
     in what is joined with a named value. Answers the groups of all rows that were looked at."""
-    program, at = point.program, point.constraints()
-    kinds = [x.kind for x in point.sim.constraints().constraints]
-    engaged = [i for i, kind in enumerate(kinds) if kind is ConstraintKind.FRICTION and at.bounds[i, 4] > 0]
-    engaged.sort(key=lambda i: -max(-at.bounds[i, 0], at.bounds[i, 1]))
-    stops = [i for i, kind in enumerate(kinds) if kind is ConstraintKind.STOP and len(program.slips[i].groups) > 1]
-    waiting = [*engaged, *stops]
+    waiting = engaged(point)
     if beside_named:
-        reached = solving.reached([program.slips[i] for i in waiting])
-        waiting = [i for i in waiting if solving.is_told(program.slips[i], reached)]
-    for i in waiting:
-        if not solving.take(program.slips[i], 0.0) and kinds[i] is ConstraintKind.FRICTION:
-            _refuse_impact(solving, program.slips[i], at.bounds[i])
-    return {g for i in waiting for g in program.slips[i].groups}
+        reached = solving.reached([held.row for held in waiting])
+        waiting = [held for held in waiting if solving.is_told(held.row, reached)]
+    for held in waiting:
+        if not solving.take(held.row, 0.0) and not held.stop:
+            _refuse_impact(solving, held)
+    return {g for held in waiting for g in held.row.groups}
 
 
-def _refuse_impact(solving: RowsTaken, row: RigidRow, bounds: Array) -> None:
+def _refuse_impact(solving: RowsTaken, held: Held) -> None:
     """ParameterError where a lock without limit would have to close on a slip."""
-    slip = solving.motion.left(solving.factors(row))[1]
-    most = AGREES * _size(solving, row)
-    if (slip < -most and bounds[1] == np.inf) or (slip > most and bounds[0] == -np.inf):
+    slip = solving.motion.left(solving.factors(held.row))[1]
+    most = AGREES * _size(solving, held.row)
+    if (slip < -most and held.upper == np.inf) or (slip > most and held.lower == -np.inf):
         raise ParameterError(
-            f"initial: '{row.component}' is locked, but the speeds that follow from {solving.sources(row) or 'others'} would "
+            f"initial: '{held.row.component}' is locked, but the speeds that follow from "
+            f"{solving.sources(held.row) or 'others'} would "
             f"make it slip at {slip:.6g} rad/s (m/s); leave one of them out, or give start values by name"
         )
 

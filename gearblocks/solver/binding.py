@@ -40,7 +40,7 @@ from gearblocks.solver.structures import (
 from gearblocks.solver.switched_constraints import ConstraintsAtPoint, ModelConstraints, constraints_at, constraints_of
 from gearblocks.solver.watches import Watches
 
-_PROBED = ("rates", "outputs", "energies", "modes")  # in the order of gb_probe
+_PROBED = ("rates", "outputs", "energies", "modes", "surfaces")  # in the order of gb_probe
 
 
 class Simulation:
@@ -331,14 +331,16 @@ class Simulation:
         self, t: float, y: Array, modes: Array | None, wanted: str, *, inputs: Array | None = None, means: bool = False,
         rates: Array | None = None,
     ) -> Array:  # fmt: skip
-        """One thing at a point, the run untouched: "rates" (n_total), "outputs", "energies" or "modes" (those that fit).
+        """One thing at a point, the run untouched: "rates" (n_total), "outputs", "energies", "modes" (those that fit) or
+        "surfaces" (event functions by switch, 0 for those of time alone).
 
         modes: of all switches (None: the present ones); inputs: values of all inputs (None: their sources at t); means:
         excitations of time alone at their means; rates: n_total of them that outputs take as given. Only after `start`.
         Raises RuntimeError where an input fails.
         """
         program, number = self._program, _PROBED.index(wanted)
-        lengths = (program.n_total, len(program.outputs), len(program.energies), len(program.switches))
+        n_switches = len(program.switches)
+        lengths = (program.n_total, len(program.outputs), len(program.energies), n_switches, n_switches)
         result = np.zeros(lengths[number])
         y, modes, values, rates = self._state_vector(y), _doubles(modes), _doubles(inputs), _doubles(rates)
         point = PointStructure(t, means, address(modes), address(values), address(rates))

@@ -18,6 +18,8 @@ from gearblocks.solver.point import Point, dependents, derivative, state_matrix
 from gearblocks.solver.sparse_maps import Indices, disjoint
 from gearblocks.solver.structures import Array
 
+_HELD = 1e-9  # what is left of S N = 1 beyond it is no rounding
+
 
 @dataclass(frozen=True, eq=False)
 class Kinematics:
@@ -77,11 +79,19 @@ def kinematics(point: Point) -> Kinematics:
     elif len(rows) == len(v):
         N = algebra.solved(S, right)
     else:  # more coordinates than speeds: massless groups
-        N = np.asarray(np.linalg.lstsq(algebra.array(S), right, rcond=None)[0], dtype=np.float64)
+        N = _free_rotations(algebra.array(S), right)
     active = point.active_rows()
     if active is not None and N.shape[1]:
         N = N @ null_space(active.W @ N, np.max(np.abs(active.W) @ np.abs(N), axis=1, initial=0.0))
     return Kinematics(q, angles, z, v, B, S[len(q) :], algebra.of(N), M, active, algebra)
+
+
+def _free_rotations(S: Array, right: Array) -> Array:
+    """N with S N = right; those of its columns, and their combinations, that there are: what friction without inertia holds
+    at its place does not turn."""
+    N = np.asarray(np.linalg.lstsq(S, right, rcond=None)[0], dtype=np.float64)
+    left = S @ N - right
+    return N @ null_space(left, np.full(len(left), np.abs(S).max(initial=1.0))) if np.abs(left).max() > _HELD else N
 
 
 def knows_derivatives(point: Point) -> bool:

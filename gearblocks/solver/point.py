@@ -66,6 +66,10 @@ class Point:
         """All energies."""
         return self._look("energies", y)
 
+    def surfaces(self, y: Array | None = None) -> Array:
+        """The event functions by switch, 0 for those of time alone."""
+        return self._look("surfaces", y)
+
     def fitting_modes(self, y: Array | None = None) -> Array:
         """The modes that the state asks for."""
         return self._look("modes", y)

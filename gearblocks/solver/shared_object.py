@@ -47,7 +47,7 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_tangent_size": (c_size_t, (c_void_p, c_int)),
     "gb_tangents_run": (c_int, (c_void_p, c_void_p, c_double)),
     "gb_rhs": (c_int, (c_void_p, c_double, c_void_p, c_void_p)),
-    "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), c_void_p, c_void_p, c_void_p, c_void_p, c_void_p)),
+    "gb_probe": (c_int, (c_void_p, POINTER(PointStructure), *(c_void_p,) * 6)),
     "gb_snapshot_size": (c_size_t, (c_void_p,)),
     "gb_save": (None, (c_void_p, c_void_p)),
     "gb_restore": (c_int, (c_void_p, c_void_p)),

@@ -300,11 +300,12 @@ GB_API int gb_modes(const gb_sim *sim, double *mode);
 GB_API int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, double *rows, double *effects,
                              double *bounds, double *force, double *violation, double *slip);
 
-/* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, and `fit`, the modes that
- * fit state and time there. Needs gb_start for the values derived from parameters, which may have failed where
- * modes are given; changes nothing of the run. */
+/* The laws at a point, into what is not NULL: dy (length n_total), all outputs, all energies, `fit`, the modes that
+ * fit state and time there, and the event functions of the switches that are not of time alone (length n_switches).
+ * Needs gb_start for the values derived from parameters, which may have failed where modes are given; changes nothing
+ * of the run. */
 GB_API int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy,
-                    double *fit);
+                    double *fit, double *surface);
 
 /* The whole changing state as one block. gb_fits: whether it was saved by this model and is as it was; gb_restore
  * answers GB_ERR_STATE for any other. gb_checksum: of any bytes. */

@@ -82,13 +82,19 @@ static inline int gb_balance_factor(const gb_pattern *p, double *diag, double *l
 /* x becomes the solution; x is numbered as the unknowns. */
 static inline void gb_balance_solve(const gb_pattern *p, const double *diag, const double *lower, const double *upper,
                                     double *x) {
+    double largest[p->n + 1]; /* of the terms that a right side is made of */
+    for (int k = 0; k < p->n; k++) {
+        largest[k] = fabs(x[p->order[k]]);
+    }
     for (int k = 0; k < p->n; k++) {
         for (int i = p->start[k]; i < p->start[k + 1]; i++) {
-            x[p->order[p->row[i]]] -= lower[i] * x[p->order[k]];
+            const double term = lower[i] * x[p->order[k]];
+            x[p->order[p->row[i]]] -= term;
+            largest[p->row[i]] = fmax(largest[p->row[i]], fabs(term));
         }
     }
     for (int k = p->n - 1; k >= 0; k--) {
-        double sum = x[p->order[k]], size = fabs(sum);
+        double sum = x[p->order[k]], size = largest[k];
         for (int i = p->start[k]; i < p->start[k + 1]; i++) {
             const double term = upper[i] * x[p->order[p->row[i]]];
             sum -= term;

@@ -20,6 +20,11 @@ static double gain_of_doublings(const gb_sim *sim) {
     return (double)(1u << sim->head->control.doublings);
 }
 
+/* The same for a difference between two instants, which the slope in time of implicit methods is: over a step. */
+static double gain_of_slope(const gb_sim *sim, double h, double apart) {
+    return gb_max(2.0 * h / apart, 1.0) * gain_of_doublings(sim);
+}
+
 /* What rounds in the force of each active constraint: itself, and what others do to its slip, which it answers. */
 static void sizes_of_forces(gb_sim *sim, const double *time_terms, const double *y, double *size) {
     const gb_delassus W = gb_delassus_of(sim);
@@ -131,86 +136,83 @@ static void rates_after(gb_sim *sim, const gb_lanes *at, double moved, double *r
     sim->head->counts.rhs_calls++;
 }
 
-/* Adds to the noise by how far these rates are from those that are known, times the gain of each. */
-static void add_noise(gb_sim *sim, double *rate, const double *gain) {
+/* Adds to the noise what these changes of the rates make of a step, times a gain; times another one for those that the
+ * second instant of a difference in time changes (NULL: none). */
+static void add_noise(gb_sim *sim, double *change, double gain, const double *second, double of_slope) {
+    if (sim->method->gamma > 0.0) {
+        gb_rosenbrock_response(sim, change);
+    }
+    for (int i = 0; i < sim->model->n; i++) {
+        const double own = second && second[i] != sim->k1[i] ? of_slope : gain;
+        sim->control.noise[i] = gb_max(sim->control.noise[i], own * fabs(change[i]));
+    }
+}
+
+/* Rates at z2, or at y0 after this time, less those that are known. */
+static void change_of_rates(gb_sim *sim, const gb_lanes *at, double moved, double *rate) {
+    if (moved > 0.0) {
+        rates_after(sim, at, moved, rate);
+    } else {
+        gb_rates(sim, 0, at, 0, sim->z2, rate);
+        sim->head->counts.rhs_calls++;
+    }
     for (int i = 0; i < sim->model->n; i++) {
         rate[i] -= sim->k1[i];
     }
-    if (sim->method->gamma > 0.0) {
-        gb_rosenbrock_response(sim, rate);
-    }
-    for (int i = 0; i < sim->model->n; i++) {
-        sim->control.noise[i] = gb_max(sim->control.noise[i], gain[i] * fabs(rate[i]));
-    }
 }
 
-/* Gains of noise: the slope in time of implicit methods is a difference between two instants, in which rounding is
- * larger; what time has no part in rounds alike at both. */
-static void find_gains(gb_sim *sim, double h, const gb_lanes *at, int differenced, double *rate, double *gain) {
-    const double all = gain_of_doublings(sim), apart = gb_rosenbrock_time_step(at->t[0], h);
-    if (differenced) {
-        rates_after(sim, at, apart, rate);
+/* Noise of the slope in time of implicit methods, a difference between two instants: the second one moved a little, its
+ * rates are off the line through both by their rounding. What the states alone make of the rates rounds alike at all
+ * instants. Without a scale, where that may be nothing by chance: all that time changes. */
+static void add_noise_of_slope(gb_sim *sim, double h, const gb_lanes *at, int scaled, double *rate,
+                               const double *second) {
+    const double gain = gain_of_doublings(sim), apart = gb_rosenbrock_time_step(at->t[0], h);
+    const double moved = gb_max(1e-9 * apart, 8.0 * DBL_EPSILON * fabs(at->t[0]));
+    change_of_rates(sim, at, scaled ? apart + moved : 2.0 * DBL_EPSILON * fabs(at->t[0]), rate);
+    for (int i = 0; i < sim->model->n && scaled; i++) {
+        const double line = second[i] - sim->k1[i];
+        rate[i] = rate[i] - line - moved / apart * line;
     }
-    for (int i = 0; i < sim->model->n; i++) {
-        gain[i] = differenced && rate[i] != sim->k1[i] ? gb_max(2.0 * h / apart, 1.0) * all : all;
-    }
-}
-
-/* Adds what the rates do when each state is moved by its bits, which lie in z2. */
-static void add_noise_of_bits(gb_sim *sim, const gb_lanes *at, double *rate, const double *gain) {
-    double *bits = sim->z2;
-    for (int i = 0; i < sim->model->n_padded; i++) {
-        bits[i] = sim->y0[i] + (is_raised(i, sim->head->control.noise_pattern) ? bits[i] : -bits[i]);
-    }
-    gb_rates(sim, 0, at, 0, bits, rate);
-    sim->head->counts.rhs_calls++;
-    add_noise(sim, rate, gain);
-}
-
-/* Adds what the rates do when each speed is moved by what an acceleration that is rounding makes in h. What it gained
- * in the slope in time it has gained. */
-static void add_noise_of_left(gb_sim *sim, double h, const gb_lanes *at, const double *left, double *rate,
-                              double *gain) {
-    int any = 0;
-    memset(sim->z2, 0, sizeof(double) * (size_t)sim->model->n_padded);
-    for (int i = 0; i < sim->model->n; i++) {
-        sim->z2[i] = h * left[i];
-        gain[i] = gain_of_doublings(sim);
-        any |= left[i] > 0.0;
-    }
-    if (any) {
-        add_noise_of_bits(sim, at, rate, gain);
-    }
+    add_noise(sim, rate, gain, second, gain_of_slope(sim, h, apart));
 }
 
 void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, double valid) {
     const gb_model *model = sim->model;
     const double first = sim->head->counts.steps == 0 ? h : 0.0, last_bits = 2.0 * DBL_EPSILON * fabs(at->t[0]);
     double *rate = sim->k + (size_t)(GB_STAGES - 1) * (size_t)model->n_total;
-    double *gain = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total;
+    double *second = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total;
+    const unsigned pattern = ++sim->head->control.noise_pattern;
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
-    const int differenced = timed && sim->method->gamma > 0.0;
-    sim->head->control.noise_pattern++;
-    find_gains(sim, h, at, differenced, rate, gain);
-    if (timed && !differenced) {
-        rates_after(sim, at, last_bits, rate);
+    const int implicit = sim->method->gamma > 0.0;
+    const int scaled = implicit && !sim->head->control.unscaled && sim->head->counts.steps > 0;
+    const double gain = gain_of_doublings(sim), apart = gb_rosenbrock_time_step(at->t[0], h);
+    if (timed && implicit) {
+        rates_after(sim, at, apart, second);
+    } else if (timed) {
+        change_of_rates(sim, at, last_bits, rate);
         for (int i = 0; i < model->n; i++) {
-            left[i] = gb_max(left[i], gain[i] * fabs(rate[i] - sim->k1[i]));
+            left[i] = gb_max(left[i], gain * fabs(rate[i]));
         }
+    }
+    for (int i = 0; i < model->n; i++) {
+        rate[i] = is_raised(i, pattern) ? left[i] : -left[i];
+    }
+    if (scaled) { /* what is stiff, or held by others, does not follow its noise */
+        gb_rosenbrock_response(sim, rate);
+    }
+    for (int i = 0; i < model->n_padded; i++) {
+        const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
+        const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
+        const double bit = i < model->n ? gb_max(own, h * fabs(rate[i])) : own;
+        sim->z2[i] = sim->y0[i] + (is_raised(i, pattern) ? bit : -bit);
     }
     for (int i = 0; i < model->n; i++) {
         const double so_far = sim->control.noise[i], least = sim->control.largest[i] >= valid * so_far ? 0.0 : so_far;
         sim->control.noise[i] = gb_max(left[i], least);
     }
-    for (int i = 0; i < model->n_padded; i++) {
-        const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
-        const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
-        sim->z2[i] = i < model->n && !differenced ? gb_max(own, h * left[i]) : own;
-    }
-    add_noise_of_bits(sim, at, rate, gain);
-    if (differenced) {
-        rates_after(sim, at, last_bits, rate);
-        add_noise(sim, rate, gain);
-        add_noise_of_left(sim, h, at, left, rate, gain);
+    change_of_rates(sim, at, 0.0, rate);
+    add_noise(sim, rate, gain, timed && implicit && !scaled ? second : NULL, gain_of_slope(sim, h, apart));
+    if (timed && implicit) {
+        add_noise_of_slope(sim, h, at, scaled, rate, second);
     }
 }

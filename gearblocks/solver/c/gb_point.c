@@ -14,7 +14,8 @@ static void fit_modes(const gb_sim *sim, const double *mode, double t, double *f
     }
 }
 
-int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy, double *fit) {
+int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, double *out, double *energy, double *fit,
+             double *surface) {
     const gb_model *model = sim->model;
     const double *mode = at->mode ? at->mode : sim->mode;
     int code = sim->head->started || at->mode ? GB_DONE : gb_fail(sim, GB_ERR_STATE, 0, at->t, 0.0);
@@ -36,6 +37,9 @@ int gb_probe(gb_sim *sim, const gb_point *at, const double *y, double *dy, doubl
         if (fit && model->n_switches > 0) {
             model->event_functions(sim->par, mode, sim->instant.time_terms, y, sim->events.s);
             fit_modes(sim, mode, at->t, fit);
+        }
+        if (surface && model->n_switches > 0) {
+            model->event_functions(sim->par, mode, sim->instant.time_terms, y, surface);
         }
     }
     gb_input_broadcast(sim);

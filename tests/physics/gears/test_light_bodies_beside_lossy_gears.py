@@ -71,5 +71,5 @@ def test_nor_where_the_clutch_drives_a_planetary_set(ratio: float) -> None:
 
 def test_strictness_that_is_of_no_use_ends_where_little_of_it_is_left() -> None:
     """At 1e-9 steps can be judged by a hundredth more strictly, no more: a balance that rounding moves ends it all the same."""
-    run = gb.simulate(_train(1.0, 1e-8, 1), t_end=0.2, rtol=1e-9, method="rodas")
-    assert run.stats.steps < 3000 and run.energy.residual < 1e-8
+    run = gb.simulate(_train(1.0, 1e-9, 1), t_end=0.2, rtol=1e-9, method="rodas")
+    assert run.stats.steps < 6000 and run.energy.residual < 1e-8
