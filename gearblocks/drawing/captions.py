@@ -62,7 +62,7 @@ def caption(e: Element, values: bool) -> Caption:
 def _foremost(e: Element) -> list[str]:
     """Values of an element in few letters: stiffness and gap before the shape of the teeth."""
     texts, gap = short_texts(e.block, e.slides), getattr(e.block, "backlash", None)
-    gaps = short_texts(gap, e.slides) if isinstance(gap, Effect) else []
+    gaps = short_texts(gap, e.slides, type(e.block).fields["backlash"]) if isinstance(gap, Effect) else []
     own = [text for text in texts if text.partition(" ")[0] not in _SHAPE]
     stiffness = [text for text in own if text.startswith("k =")]
     first = [*own[:1], *(x for x in stiffness if x not in own[:1]), *gaps]

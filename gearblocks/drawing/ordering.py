@@ -23,6 +23,7 @@ from gearblocks.blocks import (
 )
 from gearblocks.drawing.scheme import Element, Scheme
 from gearblocks.language.block import Block
+from gearblocks.language.signals import constant_value
 
 _FIRST = {Engine: 0, DCMotor: 0, Speed: 1, Angle: 1, Acceleration: 1, Torque: 2, Force: 2}
 """What a train starts from, the lowest number first."""
@@ -38,7 +39,7 @@ def orders(scheme: Scheme) -> list[list[int]]:
 def _start_rank(block: Block) -> int:
     """How likely a train starts from a block, the lowest number first; a constant torque below 0 is a load."""
     given = block.__dict__.get("tau", block.__dict__.get("f"))
-    return 3 if isinstance(given, (int, float)) and given < 0 else _FIRST.get(type(block), 9)
+    return 3 if given is not None and constant_value(given) < 0 else _FIRST.get(type(block), 9)
 
 
 @final

@@ -24,13 +24,15 @@ CARRIER = "carrier"
 class Gearing:
     """Wheels of a set. meshes: (planet, what it meshes with): a port by name, or another planet by number.
 
-    suns and rings are names of ports; counts: how many planets of each kind there are (0: not said).
+    suns and rings are names of ports; counts: how many planets of each kind there are (0: not said); noncircular: meshes
+    of non-circular gears.
     """
 
     suns: tuple[str, ...]
     rings: tuple[str, ...]
     counts: tuple[int, ...]
     meshes: tuple[tuple[int, str | int], ...]
+    noncircular: frozenset[tuple[int, str | int]] = frozenset()
 
 
 @final
@@ -99,6 +101,7 @@ def _planet_set(
     gearing = Gearing(
         tuple(names[s] for s in central if s not in internal), tuple(names[s] for s in central if s in internal),
         tuple(len(kind) for kind in kinds), tuple(dict.fromkeys(pairs)),
+        frozenset(pair for pair, m in zip(pairs, taken, strict=True) if isinstance(m.block, NonCircularGear)),
     )  # fmt: skip
     ports = [(names[s], s) for s in central if s not in internal] + [(CARRIER, carrier)]
     ports += [(names[s], s) for s in central if s in internal]

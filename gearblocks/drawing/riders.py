@@ -5,6 +5,7 @@ left, right: whether the shaft goes on to that side; the symbol draws the piece 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -47,6 +48,7 @@ from gearblocks.drawing.shapes import (
 )
 from gearblocks.drawing.symbols import Symbol, named_box, series
 from gearblocks.language.block import Block
+from gearblocks.language.signals import value_at
 
 _BESIDE = 11.0
 
@@ -87,7 +89,9 @@ def _fixed(block: Any, slides: bool, left: bool, right: bool) -> Symbol:  # noqa
 
 
 def _backward(value: Any) -> bool:
-    return isinstance(value, (int, float)) and value < 0
+    """Whether what is given begins below 0, as its Parameters and Inputs say; forward where others decide."""
+    numbers = (value_at(value, t) for t in (0.0, 1e-3, 0.1, 1.0))
+    return next((x < 0 for x in numbers if math.isfinite(x) and x != 0), False)
 
 
 def _torque(block: Any, slides: bool, left: bool, right: bool) -> Symbol:  # noqa: ARG001

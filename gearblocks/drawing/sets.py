@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import TypeAlias, final
 
 from gearblocks.drawing.planet_sets import CARRIER, Gearing
-from gearblocks.drawing.shapes import FILLED, PAPER, Circle, Shape, Stroke, Words, box, hatch, line
+from gearblocks.drawing.shapes import FILLED, PAPER, THIN, Circle, Shape, Stroke, Words, arc, box, hatch, line
 from gearblocks.drawing.symbols import Symbol
 
 _SLOT, _RISE, _RADIUS, _ROW, _TEETH = 22.0, 26.0, 13.0, 12.0, 2.5
@@ -71,6 +71,8 @@ class _Sticks:
                     self._stick(x, self.pins[mate], middle - _TEETH if self.pins[mate] < y else middle + _TEETH, 5)
                 else:
                     self._stick(x, y, y + _RADIUS if mate in self.gearing.suns else y - _RADIUS, 5)
+                if (planet, mate) in self.gearing.noncircular:
+                    self.shapes.append(arc(x, y, 7, 0, 360, look=THIN, squeeze=0.55))
         for planet, y in enumerate(self.pins):
             at = self.on_pin(planet)
             self.shapes.append(line((min(at) - 5, y), (max(at) + 5, y)))

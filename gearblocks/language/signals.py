@@ -370,6 +370,20 @@ def constant_value(x: Any) -> float:
         return math.nan
 
 
+def value_at(x: Any, t: float) -> float:
+    """The number of a signal at a time [s], Inputs as they start; NaN where the motion decides."""
+
+    def leaf(e: Expr) -> float:
+        if e.op == "table":
+            return float(e.args[0].values(evaluate(as_expr(e.args[1]), leaf)))
+        return t if e.op == "time" else float(e.args[0].si)
+
+    try:
+        return evaluate(as_expr(x), leaf)
+    except (ArithmeticError, AttributeError, LookupError, ValueError, TypeError):
+        return math.nan
+
+
 def number_or_zero(x: Any) -> float:
     """The same, and 0 where it has none."""
     value = constant_value(x)

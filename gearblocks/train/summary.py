@@ -59,10 +59,15 @@ def _text(value: Any) -> str:
     if isinstance(value, (int, float)):
         return number_text(value)
     if isinstance(value, Expr):
-        if value.op == "table" and value.args[1].op == "time":
+        if _is_over_time(value):
             return _text(value.args[0])
         return expression_text(value)
     return repr(value).replace(f", {value.digest()}", "")
+
+
+def _is_over_time(value: Any) -> bool:
+    """Whether a value is a table over time."""
+    return isinstance(value, Expr) and value.op == "table" and value.args[1].op == "time"
 
 
 def expression_text(value: Expr) -> str:
@@ -103,8 +108,9 @@ def _behind(unit: str) -> str:
     return "" if unit in ("", "1") else f" {unit}"
 
 
-def short_texts(block: Declared, slides: bool) -> list[str]:
-    """ "k = 2e+04 N m/rad" and the like for the parameters and signals alone, start values left out."""
+def short_texts(block: Declared, slides: bool, within: Field | None = None) -> list[str]:
+    """ "k = 2e4 N m/rad" and the like for the parameters and signals alone, start values left out; within: the field that
+    an effect stands in."""
     found = []
     for name, field in type(block).fields.items():
         value = block.__dict__[name]
@@ -114,13 +120,14 @@ def short_texts(block: Declared, slides: bool) -> list[str]:
             and field.start is None
             and field.role not in ("option", "effect")
         ):
-            text = _short(name, value, unit_along(field.unit, slides))
+            text = _short(name, value, field if within is None else within.along(field), slides)
             found += [f"{name} = {text}"] if text else []
     return found
 
 
-def _short(name: str, value: Any, unit: str) -> str:
+def _short(name: str, value: Any, field: Field, slides: bool) -> str:
     """The value of a field in a few letters; empty for what has none."""
+    unit = unit_along(field.unit, slides)
     if isinstance(value, Given) and value.unit:
         value, unit = parse_unit(value.unit).of_si(float(value)), value.unit
     if isinstance(value, Parameter):
@@ -132,8 +139,14 @@ def _short(name: str, value: Any, unit: str) -> str:
             return ""
         if name == "teeth":
             return ":".join(f"{x:.4g}" for x in value)
+        if "^-i" in unit:
+            own = [unit_along(field.entry(i).unit, slides) for i in range(len(value))]
+            return (
+                " + ".join(f"{number_text(float(x), 4)}{_behind(u)}" for x, u in zip(value, own, strict=True) if x)
+                or "0"
+            )
         return ", ".join(number_text(float(x), 4) for x in value) + (f" {unit}" if unit != "1" else "")
-    if isinstance(value, (Table, Table2)):
+    if isinstance(value, (Table, Table2)) or _is_over_time(value):
         return "a table"
     if isinstance(value, Expr):
         if value.op == "sense":

@@ -325,6 +325,14 @@ _MESH = {
         (gb.Governor(target="1500 rpm", gain=0.02, integral_gain=0.0212345), ["integral_gain =", "0.02123 1/rad"]),
         (gb.LossyGear(ratio=3, efficiency=(0.95, 0.9), bearing=(1, 1)), ["efficiency = 0.95, 0.9", "bearing = 1, 1 N m"]),
         (gb.Governor(target=gb.sense("load.w"), gain=0.02), ["target = load.w"]),
+        (gb.SpeedLoad(coeffs=(0.0, 0.0, 0.01)), ["coeffs =", "0.01 N m s2/rad2"]),
+        (gb.Brake(capacity=gb.Table([0, 1], [0, 5])), ["capacity = a table"]),
+        (
+            gb.NonCircularGear(
+                law=gb.RatioLaw.ellipse(0.3), external=True, k=1e4, c=1.0, backlash=gb.Backlash(half_gap=1e-3)
+            ),
+            ["half_gap = 0.001 rad"],
+        ),
     ],
 )  # fmt: skip
 def test_the_values_beside_a_symbol_are_whole_and_those_that_matter(block: gb.Block, told: list[str]) -> None:
