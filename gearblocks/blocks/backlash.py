@@ -217,4 +217,4 @@ class HuntCrossley(Effect):
     """
 
     restitution: Value = param("speed after an impact over the speed before", gt=0, le=1)
-    slowness = State("1/v0 of the present contact", "s/m")
+    slowness = State("1/v0 of the present contact", "s/m", symbol="gamma")

@@ -45,7 +45,7 @@ class Fourier(Effect):
     sin: tuple[Value, ...] = param("sine coefficients of orders 1, 2, ...", default=(), many=True, each=_SINE)
     driven_by: Signal = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
     phase: Value | None = param("phase added to theta", "rad", default=None)
-    angle = State("integrated phase", "rad")
+    angle = State("integrated phase", "rad", symbol="theta")
 
     def value(self, s: Any, theta: Any) -> Any:
         """The sum alone, without the 1."""
@@ -100,7 +100,7 @@ class Profile(Effect):
     table: Table = option("points over one cycle, x from 0 to 1, periodic")
     driven_by: Signal = signal("'angle', or the frequency of the excitation", "rad/s", default="angle")
     phase: Value | None = param("phase added to theta", "rad", default=None)
-    angle = State("integrated phase", "rad")
+    angle = State("integrated phase", "rad", symbol="theta")
 
     def problems(self) -> Iterator[str]:
         """A table that is no closed cycle, and steps over the angle."""
@@ -180,7 +180,7 @@ class Square(Effect):
     contact_ratio: Value = param("transverse contact ratio, between 1 and 2", gt=1, lt=2, symbol="epsilon")
     driven_by: Signal = signal("the frequency of the excitation", "rad/s")
     phase: Value | None = param("phase added to theta", "rad", default=None)
-    angle = State("integrated phase", "rad")
+    angle = State("integrated phase", "rad", symbol="theta")
 
     def problems(self) -> Iterator[str]:
         """A Square driven by the angle is refused."""
@@ -233,7 +233,7 @@ class ToothFriction(Effect):
     phase: Value | None = param("phase added to theta", "rad", default=None)
     flank: str = option("loaded flank: 'drive' or 'coast'", default="drive")
     transition: Value | None = param("sliding speed where friction takes hold", "m/s", default=None, gt=0, symbol="v_0")
-    angle = State("integrated phase", "rad")
+    angle = State("integrated phase", "rad", symbol="theta")
 
     def problems(self) -> Iterator[str]:
         """Directions that do not exist, and a missing wave."""
@@ -260,7 +260,7 @@ class Hysteresis(Effect):
 
     friction: Value = param("torque at which the slider slips", "N m", gt=0)
     stiffness: Value | None = param("stiffness in series with the slider", "N m/rad", default=None, gt=0)
-    force = State("torque of the slider", "N m")
+    force = State("torque of the slider", "N m", symbol="T_h")
 
 
 class MeshLaw(Effect):

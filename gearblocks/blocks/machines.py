@@ -165,8 +165,8 @@ class Governor(Block):
     bias: Value = param("command at the target speed", default=0.0, symbol="u_0")
     lower: Value = param("least command", default=0.0, symbol="y_min")
     upper: Value = param("largest command", default=1.0, symbol="y_max")
-    integral = State("integral part of the command")
-    actuator = State("command behind the actuator")
+    integral = State("integral part of the command", symbol="I")
+    actuator = State("command behind the actuator", symbol="u_a")
 
     def problems(self) -> Iterator[str]:
         """Limits that leave no room."""

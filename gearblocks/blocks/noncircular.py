@@ -50,9 +50,9 @@ class NonCircularGear(Block):
     filter: Value | None = param(
         "cut-off frequency of a filter of the phase", "rad/s", default=None, gt=0, symbol="omega_c"
     )
-    filtered_phase = State("phase behind the filter", "rad")
-    filtered_rate = State("its rate", "rad/s")
-    start_angle = State("F of the phase at the start", "rad")
+    filtered_phase = State("phase behind the filter", "rad", symbol="vartheta_f")
+    filtered_rate = State("its rate", "rad/s", symbol="omega_f")
+    start_angle = State("F of the phase at the start", "rad", symbol="F_0")
     k: Signal | None = signal(
         "stiffness about b, also over gb.driver_angle", "N m/rad", default=None,
         belongs_to="compliance", over="driver_angle",

@@ -57,8 +57,8 @@ class Speed(Block):
     w: Signal = signal("prescribed speed", "rad/s")
     filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0, symbol="omega_c")
     filter_type: str = option("'first order', 'critical', 'bessel' or 'butterworth'", default="first order")
-    filtered_speed = State("speed behind the filter", "rad/s")
-    filtered_acceleration = State("its rate, of a filter of second order", "rad/s2")
+    filtered_speed = State("speed behind the filter", "rad/s", symbol="omega_f")
+    filtered_acceleration = State("its rate, of a filter of second order", "rad/s2", symbol="alpha_f")
 
     def problems(self) -> Iterator[str]:
         """A filter that there is not."""
@@ -135,10 +135,10 @@ class Angle(Block):
     alpha: Signal | None = signal("its acceleration, given beside", "rad/s2", default=None)
     filter: Value | None = param("cut-off frequency of the filter", "rad/s", default=None, gt=0, symbol="omega_c")
     filter_type: str = option("'critical', 'bessel' or 'butterworth'", default="critical")
-    filtered_angle = State("angle behind the filter", "rad")
-    filtered_speed = State("its rate", "rad/s")
-    angle_sum = State("integral of the speed that is given beside", "rad", accumulates=True)
-    speed_sum = State("integral of the acceleration that is given beside", "rad/s", accumulates=True)
+    filtered_angle = State("angle behind the filter", "rad", symbol="phi_f")
+    filtered_speed = State("its rate", "rad/s", symbol="omega_f")
+    angle_sum = State("integral of the speed that is given beside", "rad", accumulates=True, symbol="phi_s")
+    speed_sum = State("integral of the acceleration that is given beside", "rad/s", accumulates=True, symbol="omega_s")
 
     def problems(self) -> Iterator[str]:
         """A filter that there is not, and an angle, a speed and an acceleration that do not belong together."""
@@ -186,7 +186,7 @@ class Acceleration(Block):
     housing = Flange("housing", ground=True, slider=None)
     alpha: Signal = signal("prescribed acceleration", "rad/s2")
     w0: Value = param("speed at the start", "rad/s", default=0.0)
-    speed = State("prescribed speed", "rad/s")
+    speed = State("prescribed speed", "rad/s", symbol="omega")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """w_flange - w_housing = integral of alpha."""

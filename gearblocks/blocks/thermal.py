@@ -61,7 +61,7 @@ class ThermalConductance(Block):
         "difference of the temperatures at the start", "K", default=None, symbol="vartheta_0"
     )
     since: Signal | None = signal("what it has grown by since", "K", default=None, symbol="vartheta")
-    passed = State("heat passed on", "J", accumulates=True)
+    passed = State("heat passed on", "J", accumulates=True, symbol="Q")
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The heat flow and its sum."""

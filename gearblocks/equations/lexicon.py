@@ -159,12 +159,9 @@ class Lexicon:
 
     def _state(self, c: Component, path: str) -> Any:
         symbol = self._claim(_spelled(c, path), ("state", c.path, path))
-        self._note(
-            symbol,
-            names.of_state(path, self._foot(c), nomenclature.declared_symbol(c, path)),
-            nomenclature.of_state(c, path),
-            c,
-        )
+        own = nomenclature.declared_symbol(c, path)
+        called = names.of_state(path, self._foot(c), own, slides=c.slides)
+        self._note(symbol, called, nomenclature.of_state(c, path), c)
         return symbol
 
     def _table(self, c: Component, table: Any) -> Any:

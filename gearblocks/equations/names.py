@@ -31,7 +31,6 @@ _ALONG = {"T": "F", "ω": "v", "θ": "x"}
 _FROM_ZERO = ("coeffs",)  # rows whose first entry belongs to the power 0
 _ODD = ("coefficients",)  # rows of odd powers
 _WORDS = {"torque": "T", "torque_variation": "ε", "speed": "ω", "radius": "r", "frequency": "f"}
-_STATES = {"slowness": "γ"}
 _DEFINED = {
     "k_t": ("k", ""), "k_iso": ("k", "iso"), "m_e": ("m", "e"), "J_e": ("J", "e"), "sign_g": ("sgn g", ""),
     "side_N": ("sgn N", ""), "g_f": ("g", "f"), "p_b": ("p", "b"), "two_pairs": ("n", "2"),
@@ -100,11 +99,15 @@ def of_field(field: str, owner: str, symbol: str = "", *, slides: bool = False, 
     return Name(letter, number, owner)
 
 
-def of_state(state: str, owner: str, symbol: str = "") -> Name:
-    """A state of a block: `state` with the effect before it. symbol: as it declares it."""
+def of_state(state: str, owner: str, symbol: str = "", *, slides: bool = False) -> Name:
+    """A state of a block: `state` with the effect before it. symbol: as it declares it; slides: of a slider."""
     *effects, last = state.split(".")
-    name = plain(symbol) if symbol else Name(_STATES[last]) if last in _STATES else plain(last)
-    return Name(name.letter, _of_effects(effects) + (name.number or name.owner), owner)
+    name = plain(symbol or last)
+    return Name(
+        _ALONG.get(name.letter, name.letter) if slides else name.letter,
+        _of_effects(effects) + (name.number or name.owner),
+        owner,
+    )
 
 
 def _of_effects(effects: Iterable[str]) -> str:

@@ -21,7 +21,7 @@ from gearblocks.train.graph import Component
 from gearblocks.train.summary import number_text
 from gearblocks.train.translational import words_along
 
-_TO_THE_USER = re.compile(r"[,:] an? gb\.\w+|, also over [\w.()]+|; None: [^;]*")
+_TO_THE_USER = re.compile(r"[,:] an? gb\.\w+|, also over [\w.()]+|, over time or gb\.\w+|; None: [^;]*")
 
 
 @final

@@ -31,7 +31,7 @@ class HeatPort(Effect):
     """
 
     T: Signal = signal("temperature: a value, or the name of the ThermalMass that takes the heat", "K", ge=0, part="T")
-    given = State("heat given off", "J", accumulates=True)
+    given = State("heat given off", "J", accumulates=True, symbol="Q")
     brings: ClassVar[tuple[Shows, ...]] = (
         Shows("heat_flow", 0, "W", "power lost, as heat flow"),
         Shows("temperature", 0, "K", "temperature of the heat port"),

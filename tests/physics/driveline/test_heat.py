@@ -290,8 +290,8 @@ def test_the_heat_equation_is_printed_with_its_mass():
     rig = _lock_up(0.4, heat=gb.HeatPort(T="disc"), disc=gb.ThermalMass(C=50.0))
     rig.add("air", gb.ThermalConductance(G=40.0, a="disc", b=T0))
     text = str(rig.equations())
-    assert "T_disc = (given_clutch - passed_air)/C_disc + T0_disc" in text
-    assert "given_clutch' = -T_clutch" in text
+    assert "T_disc = (Q_clutch - Q_air)/C_disc + T0_disc" in text
+    assert "Q_clutch' = -T_clutch" in text
 
 
 # -- what is refused --------------------------------------------------------------------------------------------------

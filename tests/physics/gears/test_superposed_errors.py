@@ -89,8 +89,8 @@ def test_phases_that_are_integrated_have_symbols_of_their_own() -> None:
     w = gb.Input("w", start=100.0, unit="rad/s")
     rig = pair((gb.Harmonic(cos=(1e-5,), driven_by=w), gb.Harmonic(cos=(2e-5,), driven_by=2 * w)))
     text = str(rig.equations().element("mesh"))
-    assert re.search(r"e_mesh = a_ea1_mesh cos\(angle_ea_mesh\) \+ a_eb1_mesh cos\(angle_eb_mesh\)", text)
-    assert "angle_ea_mesh' = w" in text and "angle_eb_mesh' = 2 w" in text
+    assert re.search(r"e_mesh = a_ea1_mesh cos\(θ_ea_mesh\) \+ a_eb1_mesh cos\(θ_eb_mesh\)", text)
+    assert "θ_ea_mesh' = w" in text and "θ_eb_mesh' = 2 w" in text
 
 
 @pytest.mark.long
