@@ -142,10 +142,23 @@ def _regimes(coupling: regimes.Coupling, folder: Path, tell: Say) -> list[Regime
     return found
 
 
+def _first_of_each(tell: Say) -> Say:
+    """Says of the runs of a work-precision study the first at each tolerance or step alone: there are a dozen of each."""
+    said: set[str] = set()
+
+    def shown(words: str) -> None:
+        accuracy = words.partition(", ")[2].partition(",")[0] or words
+        if accuracy not in said:
+            said.add(accuracy)
+            tell(f"what accuracy costs: {accuracy}")
+
+    return shown
+
+
 def _cost(folder: Path, tell: Say) -> dict[str, Any]:
     """Work and precision of the largest force at 360 rpm, where the teeth part in every turn."""
     scene = scripts.scene("spline_coupling:period_5")
-    found = work_precision(scene, progress=lambda words: tell(f"cost of {words}"))
+    found = work_precision(scene, progress=_first_of_each(tell))
     found.plot(folder / "cost.png")
     found.to_csv(folder / "cost.csv")
     lines = [line for line in found.lines() if any(not point.failure for point in line)]

@@ -9,6 +9,7 @@ from urllib.parse import unquote
 import pytest
 from lxml import html
 
+from gearblocks.cli.demo import _first_of_each
 from gearblocks.cli.main import main
 
 EXPECTED = {"300 rpm": "period 1", "348 rpm": "period 2", "360 rpm": "period 5", "1080 rpm": "chaotic"}
@@ -81,3 +82,14 @@ def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path, capsys: pytest.Ca
     (tmp_path / "file").write_text("not a folder")
     assert main(["demo", "--out", str(tmp_path / "file" / "out")]) == 2
     assert "cannot make the folder" in capsys.readouterr().err
+
+
+def test_the_runs_of_a_work_precision_study_are_told_once_for_each_accuracy() -> None:
+    said: list[str] = []
+    tell = _first_of_each(said.append)
+    for accuracy in ("rtol 0.01", "rtol 0.001", "step 0.1 s"):
+        for method in ("dp8", "dp5", "rodas"):
+            tell(f"{method}, {accuracy}")
+            tell(f"{method}, {accuracy}, events not located")
+    tell("reference")
+    assert said == [f"what accuracy costs: {x}" for x in ("rtol 0.01", "rtol 0.001", "step 0.1 s", "reference")]
