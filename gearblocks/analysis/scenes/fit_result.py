@@ -137,7 +137,7 @@ class Fit:
             return f"{asked} nothing is to be left out{self._given_up_words()}; {run}."
         whole, now = self.full, self.trial.stats
         ratio = whole.cpu_seconds / now.cpu_seconds if now.cpu_seconds > 0 else np.inf
-        cost = relative_cost(self.trial.work / self.price.whole.work, 1 / ratio)
+        cost = relative_cost(self.trial.work / self.price.whole.work, now.cpu_seconds, whole.cpu_seconds)
         gains = max(cost, 1 / ratio) < 1 - GAIN
         gain = f"it runs {ratio:.3g} times as fast" if gains else "without gain"
         went = f"{', '.join(self.dropped)} may go: {gain} ({whole.rhs_calls:,} to {now.rhs_calls:,} right-hand sides)"
@@ -154,8 +154,11 @@ class Fit:
         if self.given_up is None:
             return ""
         names = ", ".join(n for n in self.scene.drivetrain.effects() if n in self.given_up.effects)
-        off = ", ".join(str(one) for one in self.spoilt if not one.holds)
-        return f": {names} may go here, without gain, but does not hold around the scene ({off})"
+        off = [str(one) for one in self.spoilt if not one.holds and one.judgement.verdict is not Verdict.undecided]
+        unknown = [str(one) for one in self.spoilt if one.judgement.verdict is Verdict.undecided]
+        told = [f"does not hold around the scene ({', '.join(off)})"] if off else []
+        told += [f"is undecided around the scene ({', '.join(unknown)})"] if unknown else []
+        return f": {names} may go here, without gain, but {' and '.join(told)}"
 
     def _around_words(self) -> str:
         if not self.around:

@@ -74,7 +74,8 @@ class Price:
         if row.stats is None or not self.share(row) > GAIN:
             return False
         left = whole.n_states - row.states, whole.n_switches - row.switches
-        return relative_cost(work_of(row.stats, *left) / whole.work, 1 - self.share(row)) < 1 - GAIN
+        work = work_of(row.stats, *left) / whole.work
+        return relative_cost(work, row.stats.cpu_seconds, whole.stats.cpu_seconds) < 1 - GAIN
 
     @property
     def sentence(self) -> str:

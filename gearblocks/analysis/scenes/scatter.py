@@ -1,10 +1,11 @@
 """Estimates of a scene's quantities with their errors: by two accuracies, or, where the motion scatters, by many runs.
 
     settled:    value v(rtol/30, parameters (1 + 1e-9 xi)),  error 2 |v(rtol/30) - v(rtol)|
-    scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s / sqrt(n)     (Student 1908)
+    scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s / sqrt(n) + 2 rtol |value|  (Student 1908)
 
 xi: standard normal numbers, others in each run. The motion scatters where a change of 1e-9 and a finer tolerance together
-move it by a share of its own amplitude in one quarter of the window, and the change alone does, too. Two runs of such a
+move it by a share of its own amplitude in one quarter of the window, and a change of 1e-6 alone does, too: an answer that
+hangs on the seventh digit of a parameter is one of many, however tight its tolerance. Two runs of such a
 motion may agree in a quantity by chance; so it is the motion that is judged, and the quantity then by a mean. Where the motion
 is one, but no tolerance settles the quantity (a count beside a threshold), it is a mean, too. Knows nothing of effects.
 """
@@ -93,8 +94,10 @@ def estimate(bench: Bench, within: float, effort: Effort, likely: bool = False) 
         last = number == _TRIES - 1
         one_motion = _same_motion(coarse, fine, effort.rtol)
         settled = one_motion and _close(coarse.values, fine.values, within)
-        if not settled and (last or not one_motion):
-            again = bench.outcome(finer, perturbed(bench, DETECTS, made))
+        if not settled and (
+            last or not one_motion
+        ):  # two accuracies are two motions: are parameters as little known, too?
+            again = bench.outcome(finer, perturbed(bench, DETECTS if one_motion else SPREADS, made))
             made += 1
             if not _same_motion(fine, again, finer.rtol):
                 effort, coarse = asked, first
@@ -125,6 +128,7 @@ def more_runs(bench: Bench, found: Estimate, runs: int) -> Estimate:
                 raise
     table = np.array(members)
     errors = _student(len(table)) * table.std(axis=0, ddof=1) / np.sqrt(len(table))
+    errors += 2 * found.effort.rtol * np.abs(table.mean(axis=0))  # of each run, which more of them do not make smaller
     made = found.runs + len(table) - len(found.members)
     return replace(found, values=table.mean(axis=0), errors=errors, members=table, runs=made)
 

@@ -6,7 +6,9 @@
 A value that there is in one of two settled motions alone (the time of an event) is needed.
 
 Where motions scatter both are means; runs are added, and averages over time get a longer window, until it is decided or the
-patience ends. Knows nothing of which effects are tried, and in what order.
+patience ends. Where that of the whole train does not scatter, a single run without the effects that is off by more than the
+accuracy makes them needed, whatever the mean is: one run answers no more. Knows nothing of which effects are tried, and in
+what order.
 """
 
 from __future__ import annotations
@@ -59,13 +61,15 @@ class Verdict(StrEnum):
 @dataclass(frozen=True, slots=True, eq=False)
 class Judgement:
     """What taking effects away does to each quantity: relative change, its error, verdict. members: runs of the mean without
-    them (0: the motion does not scatter); stretch: how many times as long the window was."""
+    them (0: the motion does not scatter); stretch: how many times as long the window was; farthest: the largest change of a
+    single run, where that alone makes them needed (else 0)."""
 
     changes: Array
     errors: Array
     verdicts: tuple[Verdict, ...]
     members: int = 0
     stretch: int = 1
+    farthest: float = 0.0
 
     @property
     def verdict(self) -> Verdict:
@@ -79,6 +83,7 @@ class Judgement:
     def made_of(self) -> str:
         """What the values are made of, where they are means: ", 16 runs, window x 2"."""
         runs = f", {self.members} runs" if self.members else ""
+        runs += f", single ones up to {100 * self.farthest:+.3g} %" if self.farthest else ""
         return f"{runs}, window x {self.stretch}" if self.stretch > 1 else runs
 
     def worst(self, names: Sequence[str]) -> str:
@@ -114,10 +119,12 @@ def work_of(stats: Stats, states: int, switches: int) -> float:
     return (stats.rhs_calls + _JACOBIAN * stats.jacobians) * (1.0 + states + _SWITCH * switches)
 
 
-def relative_cost(work: float, time: float) -> float:
-    """What a run costs beside another: by counted work; by CPU time where that says something quite different, since there is
-    work that is not counted (of the modes of lossy gears and friction)."""
-    return work if math.isnan(time) or work / _UNSEEN <= time <= _UNSEEN * work else time
+def relative_cost(work: float, seconds: float, beside: float) -> float:
+    """What a run costs beside another: by the ratio of counted work; by that of the CPU times where these say something quite
+    different, since there is work that is not counted (of the modes of lossy gears and friction)."""
+    if not beside >= _LONG or work / _UNSEEN <= seconds / beside <= _UNSEEN * work:
+        return work
+    return seconds / beside
 
 
 @final
@@ -244,7 +251,7 @@ class Trials:
 
     def cost(self, trial: Trial) -> float:
         """What a run without some effects costs, relative to one of the whole train."""
-        return relative_cost(trial.work / self.whole.work, trial.stats.cpu_seconds / trial.beside)
+        return relative_cost(trial.work / self.whole.work, trial.stats.cpu_seconds, trial.beside)
 
     # -- judging ------------------------------------------------------------------------------------------------------
 
@@ -287,8 +294,23 @@ class Trials:
             neither = np.isnan(other.values) & np.isnan(whole.values) & (not scattered)
             same = neither | ((off == 0.0) & ((uncertain == 0.0) | (not scattered)))
             changes, errors = np.where(same, 0.0, off / size), np.where(same, 0.0, uncertain / size)
-        verdicts = tuple(self._verdict(c, e, scattered) for c, e in zip(changes.tolist(), errors.tolist(), strict=True))
-        return Judgement(changes, errors, verdicts, len(other.members) or len(whole.members), stretch)
+        verdicts = [self._verdict(c, e, scattered) for c, e in zip(changes.tolist(), errors.tolist(), strict=True)]
+        farthest = 0.0
+        for i, one in enumerate(self._single_runs(whole, other)):
+            if abs(one) > self.scene.within and verdicts[i] is not Verdict.needed:
+                verdicts[i] = Verdict.needed
+                farthest = max(farthest, one, key=abs)
+        return Judgement(changes, errors, tuple(verdicts), len(other.members) or len(whole.members), stretch, farthest)
+
+    @staticmethod
+    def _single_runs(whole: Estimate, other: Estimate) -> list[float]:
+        """The largest change of single runs, by quantity, where their motion scatters and that of the whole train does not."""
+        if whole.scattered or not other.scattered:
+            return []
+        with np.errstate(invalid="ignore", divide="ignore"):
+            off = np.nan_to_num((other.members - whole.values) / np.abs(whole.values), nan=0.0)
+        found: list[float] = off[np.argmax(np.abs(off), axis=0), np.arange(off.shape[1])].tolist()
+        return found
 
     def _verdict(self, change: float, error: float, scattered: bool) -> Verdict:
         within = self.scene.within
@@ -324,4 +346,5 @@ class Trials:
 _SWITCH = 0.3  # of a state, in CPU time (rattle without friction: 0.55 of the time, 0.50 were it a whole one)
 _JACOBIAN = 10  # right-hand sides that a Jacobian and its factors take
 _MOST_TURNS = 9
+_LONG = 2e-3  # s; below, times are those of the start of a run
 _UNSEEN = 1.5  # what the time differs from counted work by, where work does not see what takes the time

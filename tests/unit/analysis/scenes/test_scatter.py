@@ -13,6 +13,7 @@ import gearblocks as gb
 from gearblocks.analysis.scenes import scatter
 from gearblocks.analysis.scenes.bench import Effort, bench_of
 from gearblocks.analysis.scenes.scatter import SPREADS, estimate, more_runs, perturbed
+from gearblocks.cli import scripts
 
 
 def test_the_error_of_a_settled_value_covers_a_run_at_a_tight_tolerance(discs_scene: gb.Scene) -> None:
@@ -38,6 +39,17 @@ def test_a_motion_that_scatters_is_a_mean_though_two_runs_agree(hammer_scene: gb
     found = estimate(bench, hammer_scene.within, Effort())
     assert found.scattered and len(found.members) >= 4
     assert (found.errors >= 0.3 * spread * np.abs(found.values)).all()
+
+
+@pytest.mark.long
+def test_a_value_that_hangs_on_the_seventh_digit_of_a_parameter_scatters() -> None:
+    # the spline without the damping of its input shaft: two tight tolerances agree to 1e-4, 1e-7 of an inertia is 1.5 %
+    whole = scripts.scene("spline_coupling:period_5")
+    bench = bench_of(whole, whole.drivetrain.without("shaft_in.damping"))
+    fine, finer = (bench.outcome(Effort("auto", rtol)).values for rtol in (1e-9, 1e-10))
+    assert abs(finer / fine - 1) < 1e-4 and not estimate(bench_of(whole), 0.01, Effort()).scattered
+    found = estimate(bench, 0.01, Effort())
+    assert found.scattered and found.members.std() > 0.005 * found.values
 
 
 def test_where_a_train_alike_scatters_it_is_asked_at_no_finer_tolerance(

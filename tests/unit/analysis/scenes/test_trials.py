@@ -35,6 +35,8 @@ def _estimate(members: list[float], values: float | None = None, error: float = 
         (_estimate([], 1.0, 0.002), _estimate([], 1.004, 0.002), Verdict.not_needed),
         (_estimate([], 1.0, 0.002), _estimate([], 1.009, 0.002), Verdict.undecided),
         (_estimate([], 1.0, 0.002), _estimate([], 1.02, 0.002), Verdict.needed),
+        (_estimate([], 1.0), _estimate([1.002, 0.998, 1.001, 1.0]), Verdict.not_needed),
+        (_estimate([], 1.0), _estimate([1.0, 1.02, 0.985, 1.0]), Verdict.needed),  # one run answered, now none does
         (_estimate([], 0.0), _estimate([], 0.0), Verdict.not_needed),
         (_estimate([], 0.0), _estimate([], 3.0), Verdict.needed),
         (_estimate([], np.nan), _estimate([], np.nan), Verdict.not_needed),  # an event that neither has
@@ -88,9 +90,10 @@ def test_times_that_are_compared_are_taken_in_turns(trials: Trials) -> None:
 
 def test_time_is_believed_where_it_says_something_quite_different_from_counted_work() -> None:
     # modes of lossy gears beside friction took two thirds of the time of a launch; no counter sees them
-    assert relative_cost(1.4, 0.35) == 0.35
-    assert relative_cost(0.9, 0.8) == 0.9 and relative_cost(0.9, 1.3) == 0.9  # timings scatter
-    assert relative_cost(0.9, np.nan) == 0.9
+    assert relative_cost(1.4, 6.3e-3, 18e-3) == pytest.approx(0.35)
+    assert relative_cost(0.9, 8e-3, 10e-3) == 0.9 and relative_cost(0.9, 13e-3, 10e-3) == 0.9  # timings scatter
+    assert relative_cost(0.9, 1e-3, np.nan) == 0.9
+    assert relative_cost(0.5, 1e-4, 1e-4) == 0.5  # short runs take what it takes to begin
 
 
 @pytest.mark.long
