@@ -116,15 +116,16 @@ static double answer_to_bits(gb_sim *sim, int lane, const double *y, const doubl
     return sum;
 }
 
-/* No state moves in the step by more than the noise of its rate, nor beyond its scale: a trial that explodes takes its
- * noise along. */
+/* No state moves in the step by more than the noise of its rate, nor beyond its scale where it has one: a trial that
+ * explodes takes its noise along. */
 static int is_noise(const gb_sim *sim, double h) {
-    const double *noise = sim->control.noise, *scale = sim->control.natural_scale, *peak = sim->control.largest;
-    int i = 0;
-    while (i < sim->model->n && fabs(sim->z[i] - sim->y0[i]) <= gb_min(h * noise[i], gb_max(peak[i], scale[i]))) {
-        i++;
+    int is = 1;
+    for (int i = 0; i < sim->model->n; i++) {
+        const double scale = gb_max(sim->control.largest[i], sim->control.natural_scale[i]);
+        const double noise = h * sim->control.noise[i];
+        is &= fabs(sim->z[i] - sim->y0[i]) <= (scale > 0.0 ? gb_min(noise, scale) : noise);
     }
-    return i == sim->model->n;
+    return is;
 }
 
 /* How far rounding moves the powers: their answer to a change of the states in their last bits, or by what the noise of

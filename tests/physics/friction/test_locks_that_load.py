@@ -64,3 +64,34 @@ def test_gears_beside_a_friction_that_is_loaded(rise: str, gears: str, method: s
     assert math.isclose(run["j1.w"][-1], speed, rel_tol=1e-5)
     assert math.isclose(run["j2.w"][-1], ratio * speed, rel_tol=1e-5)
     assert run.stats.steps < 300
+
+
+@pytest.mark.parametrize("method", ["dp8", "rodas"])
+@pytest.mark.parametrize(
+    ("inertias", "ratio", "late"),
+    [
+        ((1.0, 1.0, 0.2), 2.0, 0.03),  # as above
+        pytest.param((0.3107, 0.0986, 0.0014), 3.38, 0.005, marks=pytest.mark.long),
+        ((0.1132, 0.011, 0.0368), 2.27, 0.016),
+    ],
+)
+def test_energies_that_rounding_alone_exchanges_do_not_shorten_steps(
+    inertias: tuple[float, ...], ratio: float, late: float, method: str
+) -> None:
+    """The sun is held, planets' carrier and ring are free and without any scale of speed: closed form behind the break."""
+    rig = gb.Drivetrain("free planets")
+    sun, carrier, ring = (rig.add(name, gb.Inertia(J=J)) for name, J in zip("scr", inertias, strict=True))
+    gears, slope = rig.add("gears", gb.IdealPlanetary(ratio=ratio)), 30.0
+    for body, flange in ((sun, gears.sun), (carrier, gears.carrier), (ring, gears.ring)):
+        rig.connect(body.a, flange)
+    torque = gb.piecewise((slope * (gb.time - late), gb.time > late), (0.0, True))
+    rig.connect(
+        sun.b, rig.add("bearing", gb.BearingFriction(coulomb=HELD)).a, rig.add("m", gb.Torque(tau=torque)).flange
+    )
+    compliance = (1 + ratio) ** 2 / inertias[1] + ratio**2 / inertias[2]
+    breaks, end = late + HELD / slope, late + 1.5 * HELD / slope
+    speed = slope * (end - breaks) ** 2 / 2 / (inertias[0] + 1 / compliance)
+    for rtol in (1e-4, 1e-6, 1e-8):
+        run = gb.simulate(rig, t_end=end, method=method, rtol=rtol)
+        assert run["s.w"][-1] == pytest.approx(speed, rel=10 * rtol), rtol
+        assert run.stats.steps < 300, rtol
