@@ -1,7 +1,7 @@
 """Estimates of a scene's quantities with their errors: by two accuracies, or, where the motion scatters, by many runs.
 
     settled:    value v(rtol/30, parameters (1 + 1e-9 xi)),  error 2 |v(rtol/30) - v(rtol)|
-    scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s/sqrt(n) + 2 rtol |value|  (Student 1908)
+    scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s/sqrt(n) + 2 rtol |value| (Student 1908)
 
 xi: standard normal numbers, others in each run. The motion scatters where a change of 1e-9 and a finer tolerance together
 move it by a share of its own amplitude in one quarter of the window, and a change of 1e-6 alone does, too: an answer that
