@@ -94,7 +94,7 @@ def test_a_map_survives_its_file(tmp_path: Path) -> None:
         ((W[::-1], U, Z), "x must increase"),
         ((W, [0, 0, 1], Z), "y must increase"),
         ((W, U, np.where(Z == 4.0, NAN, Z)), r"z\[3\]\[1\] = nan must be a finite number"),
-        (([0, 1, 2, NAN], U, Z), "x must be finite"),
+        (([0, 1, 2, NAN], U, Z), r"x\[3\] = nan must be a finite number"),
         (("abcd", U, Z), "x = 'abcd' must be rows of numbers"),
         ((W, U, [[1, 2], [3]]), "z = .* must be rows of numbers"),
         ((W, U, Z, "step"), "kind = 'step' must be 'linear' or 'cubic'"),
