@@ -3,7 +3,7 @@
     speeds   v = argmin sum J (w - w_full)^2     over its bodies: what a plastic impact of the new ties would leave; momentum
                                                  along every motion that is left is that of the full train
     angles   deflections of its elements as in the full train (least squares, where loops contradict), then
-             argmin sum J (phi - phi_full)^2 among what turns freely
+             argmin sum J (phi - phi_full)^2 among what turns freely; gap >= 0 before both, where a stop has become rigid
     states   of blocks: those of the full train
 
 w, phi: outputs of bodies; a deflection is an output in rad or m of any other element that follows the angles and that no
@@ -79,7 +79,7 @@ def carried_start(
         return initial
     earlier = initial if isinstance(initial, Trajectory) else None
     asked = asked.after(earlier)
-    with _started(variant, _base(variant, asked), asked) as point:
+    with _started(variant, _base(variant, asked), asked, beyond=True) as point:
         y = _carried(point, aim)
         if earlier is None:
             return _named(variant, asked, point.at(y=y), aim)
@@ -114,8 +114,8 @@ class _Asked:
 
 
 @contextmanager
-def _started(model: Model, initial: Start, asked: _Asked) -> Iterator[Point]:
-    """The model at its start. Raises what a run raises."""
+def _started(model: Model, initial: Start, asked: _Asked, *, beyond: bool = False) -> Iterator[Point]:
+    """The model at its start. Raises what a run raises; beyond: but passes one that lies beyond stops or slips in ties."""
     program = model.program
     with model.library.reopen() as sim:
         own = asked.parameters if not isinstance(initial, Trajectory) else {}
@@ -127,7 +127,8 @@ def _started(model: Model, initial: Start, asked: _Asked) -> Iterator[Point]:
         try:
             static = is_static(initial)
             y0 = static_state(sim, program, asked.begin, means=initial == "static") if static else None
-            with opened(sim, program, asked.begin, y0 if static else start_state(program, initial)) as point:
+            y0 = y0 if static else start_state(program, initial)
+            with opened(sim, program, asked.begin, y0, beyond=beyond) as point:
                 yield point
         except RuntimeError:
             if sim.error is not None:
@@ -139,7 +140,7 @@ def _started(model: Model, initial: Start, asked: _Asked) -> Iterator[Point]:
 def _base(model: Model, asked: _Asked) -> Start:
     """Start values that the model starts with: its own, or at rest where the new ties contradict those."""
     try:
-        with _started(model, None, asked):
+        with _started(model, None, asked, beyond=True):
             return None
     except SimulationError:
         return {x.name: 0.0 for x in model.program.starts if x.of == SPEED}
@@ -262,13 +263,16 @@ def _carried(point: Point, aim: _Aim) -> Array:
         y[i] = aim.outputs.get(name, aim.outputs.get(f"{name.removesuffix('.phi')}.s", aim.states.get(name, y[i])))
     turning = derivative(lambda y: point.rates(y)[angles], y, v, np.ones(program.n_total), algebra=DENSE)
     places = np.concatenate([q, angles[np.abs(turning).max(axis=1, initial=0.0) > 0]])  # others have a prescribed angle
+    reached = np.zeros(0, dtype=np.intp)
     for _ in range(_ROUNDS):
         before = y.copy()
-        y = _turned(point.at(y=y), rows, places, aim)
-        if np.abs(y - before).max(initial=0.0) <= _ROUNDING * np.abs(y).max(initial=0.0):
+        y = _turned(point.at(y=y), rows, places, aim, reached)
+        beyond = np.setdiff1d(_beyond(point.at(y=y)), reached)
+        reached = np.concatenate([reached, beyond])
+        if not len(beyond) and np.abs(y - before).max(initial=0.0) <= _ROUNDING * np.abs(y).max(initial=0.0):
             break
-    found = point.outputs(y)
-    if not rows.met(found, rows.speeds):
+    if not rows.met(point.outputs(y), rows.speeds) or _slips_in_ties(point.at(y=y)):
+        found = point.outputs(y)
         y[v] += _impact(point.at(y=y), rows, aim, rows.wanted[rows.speeds] - found[rows.speeds])
     return y
 
@@ -284,7 +288,8 @@ def _impact(point: Point, rows: _Rows, aim: _Aim, missing: Array) -> Array:
     if kept:
         at = point.constraints()
         G = at.rows[kept]
-        rubs = np.array([switched[i].kind is ConstraintKind.FRICTION for i in kept])  # of others, slip is no speed
+        rubs = np.array([switched[i].kind in (ConstraintKind.FRICTION, ConstraintKind.TIE) for i in kept])
+        # of others, slip is no speed
         slips = np.where(rubs, at.slip[kept], G @ point.y[v])
         change, free = -np.linalg.lstsq(G, slips, rcond=_RANK)[0], reduced(G).basis(DENSE)
     A, size = _slopes(point, rows.speeds, v), np.sqrt(rows.inertias[rows.speeds])
@@ -298,8 +303,24 @@ def _constraint_names(point: Point) -> list[_Key]:
     return [(x.kind, switches[x.active].component, switches[x.active].name) for x in switched]
 
 
-def _turned(point: Point, rows: _Rows, places: Indices, aim: _Aim) -> Array:
-    """One step towards the wanted deflections, and to the wanted angles in what they leave free."""
+def _beyond(point: Point) -> Indices:
+    """Switches of the stops that it lies beyond, by more than rounding."""
+    gaps = {x.slip for x in point.sim.constraints().constraints if x.is_stop}
+    y, surfaces = point.y[np.concatenate(kinds(point.program)[:2])], point.surfaces()
+    size = np.abs(y).max(initial=0.0)
+    return np.array(sorted(i for i in gaps if surfaces[i] < -_ROUNDING * size), dtype=np.intp)
+
+
+def _slips_in_ties(point: Point) -> bool:
+    """Whether a lossy tie slips by more than rounding."""
+    ties = [i for i, x in enumerate(point.sim.constraints().constraints) if x.kind is ConstraintKind.TIE]
+    v = point.y[kinds(point.program)[3]]
+    return bool(ties) and bool(np.abs(point.constraints().slip[ties]).max() > _SAME * np.abs(v).max(initial=0.0))
+
+
+def _turned(point: Point, rows: _Rows, places: Indices, aim: _Aim, reached: Indices) -> Array:
+    """One step to the stops that are reached, in what they leave free towards the wanted deflections, and to the wanted
+    angles in what those leave free."""
     y, states, found = point.y.copy(), point.program.states, point.outputs()
     relative = np.array([i < len(states) and states[i].kind == "coordinate" for i in places], dtype=np.bool_)
     own = [k for k in np.flatnonzero(relative) if states[places[k]].name in aim.states]
@@ -309,8 +330,16 @@ def _turned(point: Point, rows: _Rows, places: Indices, aim: _Aim) -> Array:
     A = np.vstack([np.eye(len(places))[own], A[follows] / size[follows, None]])
     missing = (rows.wanted - found)[rows.deflections[follows]] / size[follows]
     left = np.concatenate([[aim.states[states[places[k]].name] - y[places[k]] for k in own], missing])
-    step: Any = np.linalg.lstsq(A, left, rcond=_RANK)[0] if np.abs(left).max(initial=0.0) > 0 else np.zeros(len(places))
-    free = _null_space(A)
+    step: Any = np.zeros(len(places))
+    free: Any = np.eye(len(places))
+    if len(reached):
+        to_stops = derivative(
+            lambda y: point.surfaces(y)[reached], y, places, steps_of(point.program, y), algebra=DENSE
+        )  # fmt: skip
+        step, free = -np.linalg.lstsq(to_stops, point.surfaces()[reached], rcond=_RANK)[0], _null_space(to_stops)
+    if np.abs(left - A @ step).max(initial=0.0) > 0:
+        step = step + free @ np.linalg.lstsq(A @ free, left - A @ step, rcond=_RANK)[0]
+    free = free @ _null_space(A @ free)
     of_bodies, weights = _slopes(point, rows.angles, places), np.sqrt(rows.inertias[rows.angles])
     behind = (rows.wanted - found)[rows.angles] - of_bodies @ step
     if free.shape[1] and np.abs(behind).max(initial=0.0) > _SAME * np.abs(rows.wanted[rows.angles]).max(initial=0.0):

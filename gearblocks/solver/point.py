@@ -21,7 +21,7 @@ from gearblocks.solver.active_set import ReducedRows, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.matrix_algebra import SPARSE, Algebra, Matrix
 from gearblocks.solver.sparse_maps import Indices, disjoint
-from gearblocks.solver.structures import Array, Options
+from gearblocks.solver.structures import Array, Code, Options
 from gearblocks.solver.switched_constraints import ConstraintsAtPoint
 
 _SHARE = 6e-6  # of the size of an unknown: its step, about the cube root of the rounding unit
@@ -113,15 +113,21 @@ def restarted(point: Point) -> Array:
 
 
 @contextmanager
-def opened(sim: Simulation, program: Program, t: float, y0: Array | None = None) -> Iterator[Point]:
+def opened(
+    sim: Simulation, program: Program, t: float, y0: Array | None = None, *, beyond: bool = False
+) -> Iterator[Point]:
     """A point at the start values of `sim` (parameters and inputs are set), or at y0, in the modes that fit.
+
+    beyond: start values that lie beyond stops or slip in lossy ties pass too.
 
     Raises SimulationError where a rate is no number there, RuntimeError where the start itself fails (see sim.report).
     """
     code = sim.start(_OPTIONS, t, y0)
-    if code < 0:
+    let_pass = beyond and code is Code.ERR_BEYOND
+    if code < 0 and not let_pass:
         raise RuntimeError(f"gb_start answered {code.name}")
-    point = Point(sim, program, t, sim.state(), sim.modes()).settled()
+    modes = np.zeros(len(program.switches)) if let_pass else sim.modes()  # a start that is refused has no modes yet
+    point = Point(sim, program, t, sim.state(stopped=let_pass), modes).settled()
     bad = np.flatnonzero(~np.isfinite(point.rates()[: program.n]))
     if len(bad):
         raise SimulationError(

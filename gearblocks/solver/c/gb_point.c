@@ -73,8 +73,9 @@ int gb_constraints_at(gb_sim *sim, const gb_point *at, const double *y, double *
         model->force_bounds(sim->par, mode, sim->instant.time_terms, y, bounds);
         model->constraint_forces(sim->par, mode, sim->instant.time_terms, y, force, violation);
         model->event_functions(sim->par, mode, sim->instant.time_terms, y, sim->events.s);
+        model->slips(sim->par, mode, sim->instant.time_terms, y, NULL, slip);
         for (int i = 0; i < model->n_constraints; i++) {
-            slip[i] = sim->events.s[model->constraints[i].slip];
+            slip[i] = model->constraints[i].kind == GB_TIE ? slip[i] : sim->events.s[model->constraints[i].slip];
         }
     }
     gb_input_broadcast(sim);

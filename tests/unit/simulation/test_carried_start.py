@@ -152,3 +152,26 @@ def test_what_went_with_an_effect_and_what_does_not_run_are_told_apart() -> None
     rig.connect(rig.add("sensing", gb.Torque(tau=1e-3 * gb.sense("mesh.deflection"))).flange, rig["wheel"].b)
     with pytest.raises(gb.ModelError, match=r"mesh\.deflection"):
         gb.build(rig.without("mesh.*"))
+
+
+def test_a_gap_that_was_pressed_together_starts_closed_once_it_is_rigid() -> None:
+    rig = gb.Drivetrain("pressed gap")
+    left, right = rig.add("left", gb.Inertia(J=2.0, phi0=0.3)), rig.add("right", gb.Inertia(J=1.0, w0=0.5))
+    gap = gb.Lash(k=100.0, half_gap=0.05, contact_damping=gb.HuntCrossley(restitution=0.7), phi_rel0=0.07, w_rel0=0.2)
+    rig.chain(left, rig.add("gap", gap), right)
+    _, start = _carried(rig, "gap.compliance")
+    assert start["right.phi"][0] - start["left.phi"][0] == pytest.approx(0.05, rel=1e-12)
+    assert 2 * start["left.phi"][0] + start["right.phi"][0] == pytest.approx(2 * 0.3 + 0.37, rel=1e-12)
+    assert [start["left.w"][0], start["right.w"][0]] == pytest.approx([0.3, 0.5], rel=1e-12)
+
+
+def test_a_lossy_gear_behind_a_ratio_that_moves_starts_as_both_say() -> None:
+    rig = gb.Drivetrain("moving phase")
+    law = gb.RatioLaw.ellipse(e=0.3, order=2)
+    pair = gb.NonCircularGear(law=law, external=False, k=300.0, c=0.2, phase=0.3 * gb.sin(5.0 * gb.time))
+    driver, wheel = rig.add("driver", gb.Inertia(J=1.4, w0=-5.0)), rig.add("wheel", gb.Inertia(J=0.4, w0=-1.0))
+    gear, load = rig.add("gear", gb.LossyGear(ratio=-2.0, efficiency=(0.8, 0.6))), rig.add("load", gb.Inertia(J=0.1))
+    rig.chain(driver, rig.add("pair", pair), wheel, rig.add("shaft", gb.Shaft(k=50.0)), gear, load)
+    _, start = _carried(rig, "pair.compliance", "shaft.compliance")
+    assert start["wheel.w"][0] == pytest.approx(-2 * start["load.w"][0], rel=1e-9)
+    assert abs(start["wheel.w"][0]) > 0.1
