@@ -165,8 +165,8 @@ def longer(seen: Strobe, neutral: Neutral, found: LyapunovExponents) -> Lyapunov
 
 
 def told_exponents(seen: Strobe, y: Array, neutral: Neutral, after: int) -> LyapunovExponents:
-    """The two largest ones, over as many periods as it takes to see whether the first is positive. Raises SimulationError."""
-    found = exponents_of(seen, y, neutral, _FEW, 2, after)
+    """The largest one, over as many periods as it takes to see whether it is positive. Raises SimulationError."""
+    found = exponents_of(seen, y, neutral, _FEW, 1, after)
     while not _is_told(found) and (more := longer(seen, neutral, found)) is not None:
         found = more
     return found

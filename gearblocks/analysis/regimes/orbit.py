@@ -28,6 +28,7 @@ CLOSED = 1e-9
 """Of the sizes of the states: what an orbit closes to, at the least."""
 _MOST = 40  # steps of Newton's method
 _HALVINGS = 8
+_STALLED = 6  # steps, in which what an orbit misses itself by has to fall to a half
 _RANK = 1e-10  # of the largest singular value: smaller ones are neutral directions
 _APART = 100.0  # closures that a divisor of the period has to be off by
 _ROUNDING = 30.0  # tolerances that a closed orbit is off by
@@ -131,16 +132,18 @@ def _floor(seen: Strobe) -> float:
 def _newton(seen: Strobe, y: Array, periods: int, allowed: Array) -> tuple[Array, Followed, float] | None:
     run = _mapped(seen, y, periods)
     best: tuple[Array, Followed, float] | None = None
+    closures: list[float] = []
     for _ in range(_MOST):
         if run is None:
             return best
         miss = (run.states[-1] - y) / seen.scale
         closure = float(np.abs(miss).max())
+        closures.append(closure)
         if closure <= max(CLOSED, _floor(seen)):
             if best is not None and closure > 0.1 * best[2]:  # as near as it comes
                 return best if best[2] <= closure else (y, run, closure)
             best = y, run, closure
-        elif best is not None:
+        elif best is not None or closure > 0.5 * min(closures[:-_STALLED], default=np.inf):
             return best
         off = (scaled(seen, run.maps[-1]) - np.eye(seen.n)) @ allowed
         step = allowed @ np.linalg.lstsq(off, -miss, rcond=_RANK)[0]
@@ -153,11 +156,18 @@ def _damped(seen: Strobe, y: Array, step: Array, periods: int, closure: float) -
     share = 1.0
     for _ in range(_HALVINGS):
         trial = seen.moved(y, share * step)
-        run = _mapped(seen, trial, periods)
-        if run is not None and seen.distance(run.states[-1], trial) < max(closure, _floor(seen)):
-            return trial, run
+        if _closure(seen, trial, periods) < max(closure, _floor(seen)):
+            return trial, _mapped(seen, trial, periods)
         share *= 0.5
     return y, None
+
+
+def _closure(seen: Strobe, y: Array, periods: int) -> float:
+    """How far the motion from y misses it later, by a run without derivatives, which cost many times as much."""
+    try:
+        return seen.distance(seen.follow(y, periods).states[-1], y)
+    except SimulationError:
+        return np.inf
 
 
 def _mapped(seen: Strobe, y: Array, periods: int) -> Followed | None:

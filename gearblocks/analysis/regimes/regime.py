@@ -42,7 +42,7 @@ _BEYOND = 8  # times the longest period, that is looked for where no exponent is
 _DRIVES = 128  # periods of the section within which drives may repeat together, however short periods are asked for
 _TENFOLD = 10  # times the transient, before chaos is said
 _GROWN = 10.0  # times the size of the first half: the motion is not bounded
-_SAME_MULTIPLIERS = 1e-3  # of two tolerances
+_SAME_MULTIPLIERS = 1e-3  # of two tolerances, per period: errors of maps over many periods multiply
 _APART = 1e-3  # of the sizes: orbits that are further apart are two
 
 
@@ -176,7 +176,7 @@ class Asked:
         orbit = found.orbit
         finer = shoot(seen.finer(max(seen.rtol / 100, 1e-13)), orbit.points[0], orbit.periods, neutral)
         words = _nearing_words(found, neutral)
-        if finer is None or finer.periods != orbit.periods or not _same(orbit, finer):
+        if finer is None or not finer.stable or not _same(orbit, finer):
             return Regime("unresolved", (f"period {orbit.periods} at rtol {seen.rtol:g} alone", *words), orbit=orbit)
         return Regime(f"period {orbit.periods}", words, orbit.periods, finer)
 
@@ -208,10 +208,13 @@ class Asked:
         if not drives:
             words = f"the drives do not repeat together within {self._farthest} periods of the section"
             return Regime("quasi-periodic", (words, told), exponents=last)
-        if last.per_period[0] + SIGMAS * last.errors_per_period[0] < 0.0 and (
-            regime := self._long_periodic(seen, neutral, drives, last)
-        ):
+        if regime := self._long_periodic(seen, neutral, drives, last):
             return regime
+        if last.per_period[0] + SIGMAS * last.errors_per_period[0] < 0.0:
+            words = (
+                f"{told}, so that it is periodic, and no period up to {_BEYOND * max(self.longest, drives)} was found"
+            )
+            return Regime("unresolved", (words, "give a longer transient, or a larger longest"), exponents=last)
         nearest = float(misses(points, seen, neutral, self.longest).min())
         second = second_frequency(seen, points[-1], neutral, {*range(1, self.longest + 1), drives, 2 * drives}, after)
         if second is None or nearest < _APART:
@@ -222,14 +225,12 @@ class Asked:
     def _long_periodic(
         self, seen: Strobe, neutral: Neutral, drives: int, last: LyapunovExponents
     ) -> Regime | None:  # fmt: skip
-        """All exponents are negative: the motion is periodic, however long its period is."""
+        """Nothing grows: the motion may be periodic, however long its period is, and is where all exponents are negative."""
         longest = _BEYOND * max(self.longest, drives)
         points = seen.follow(last.states, 2 * longest + 1, after=last.passed).states
-        off = misses(points, seen, neutral, longest)
-        least = next((m for m in range(drives, longest + 1, drives) if off[m - 1] <= _APART), None)
-        if least is None:
+        if misses(points, seen, neutral, longest)[drives - 1 :: drives].min() > _APART:
             return None
-        return replace(self, longest=least)._periodic(seen, points, neutral, drives, last.passed + len(points))
+        return replace(self, longest=longest)._periodic(seen, points, neutral, drives, last.passed + len(points))
 
 
 def _growth(states: Array) -> Regime | None:
@@ -246,8 +247,9 @@ def _growth(states: Array) -> Regime | None:
 
 
 def _same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
-    largest = [abs(orbit.multipliers[:1]).max(initial=0.0) for orbit in (one, other)]
-    return bool(abs(largest[0] - largest[1]) <= _SAME_MULTIPLIERS)
+    """Whether two orbits have one period and, per period of the section, one largest multiplier."""
+    largest = [abs(orbit.multipliers[:1]).max(initial=0.0) ** (1 / orbit.periods) for orbit in (one, other)]
+    return one.periods == other.periods and bool(abs(largest[0] - largest[1]) <= _SAME_MULTIPLIERS)
 
 
 def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:

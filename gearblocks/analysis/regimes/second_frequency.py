@@ -1,6 +1,7 @@
-"""A second frequency of a motion beside that of its section: a line of the spectrum of its points that stays where it is.
+"""A second frequency of a motion beside that of its section: a line of the spectrum of its points that stays where it is, and
+is no n-th of the section's.
 
-Knows nothing of exponents.
+A torus that winds around an orbit of period n has lines at k/n, too, and these may be the largest. Knows nothing of exponents.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.signal.windows import blackmanharris
 
 from gearblocks.analysis.regimes.neutral import Neutral
 from gearblocks.analysis.regimes.strobe import Strobe
@@ -16,48 +18,63 @@ from gearblocks.analysis.regimes.strobe import Strobe
 Array = NDArray[np.float64]
 
 _POINTS = 4096
-_SHARE = 0.9  # of the power, that the largest lines have together
+_SHARE = 0.9  # of the power of what is no n-th, that the largest of its lines have together
 _LINES = 12
-_WIDTH = 4  # bins of a line, to each side
+_WIDTH = 4  # bins of a line, to each side: the main lobe of the window
 _STAYS = 0.5  # bins: the line of both halves
+_FLOOR = 1e-9  # of the power: what the window leaves beside a line
+_LEAST = 1e-7  # of the power: a second frequency has more than that
 
 
 def second_frequency(seen: Strobe, y: Array, neutral: Neutral, orders: Iterable[int], after: int) -> str | None:
-    """In words, or None: where lines hold the power, and the largest stays, and is no n-th of the section's, n in orders."""
+    """In words, or None: where lines hold the power that is at no n-th of the section's, n in orders, and the largest of them
+    stays."""
     run = seen.follow(y, _POINTS, after=after)
     points = neutral.apart((run.states / seen.scale).T).T
     column = points[:, int(np.argmax(points.std(axis=0)))]
-    first, second = _largest(column[: _POINTS // 2]), _largest(column[_POINTS // 2 :])
-    whole = _largest(column)
-    if abs(first - second) > _STAYS / (_POINTS // 2) or _power_in_lines(column) < _SHARE:
+    known = np.unique([k / n for n in orders for k in range(n // 2 + 1)])
+    first, second, whole = (_others(part, known) for part in (column[: _POINTS // 2], column[_POINTS // 2 :], column))
+    if min(part.sum() for part in (first, second, whole)) < _LEAST:
         return None
-    near = min(abs(whole - k / n) for n in orders for k in range(n // 2 + 1))
-    if near < 1.0 / _POINTS:
+    if abs(_largest(first) - _largest(second)) > _STAYS or _power_in_lines(whole) < _SHARE:
         return None
-    return f"the points have a second frequency, {whole:.6g} times that of the section"
+    return f"the points have a second frequency, {_largest(whole) / _POINTS:.6g} times that of the section"
 
 
-def _spectrum(x: Array) -> Array:
-    window = np.hanning(len(x))
-    power: Array = np.abs(np.fft.rfft((x - x.mean()) * window)) ** 2
-    return power
+def _others(x: Array, known: Array) -> Array:
+    """Power by bin, as shares of the whole, without lines at known frequencies."""
+    power: Array = np.abs(np.fft.rfft((x - x.mean()) * blackmanharris(len(x), sym=False))) ** 2
+    power /= max(float(power.sum()), 1e-300)
+    left = power.copy()
+    for frequency in known:
+        i = round(frequency * len(x))
+        near = slice(max(0, i - 1), i + 2)
+        at = near.start + int(np.argmax(power[near]))
+        is_line = power[at] > _FLOOR and power[at] == power[max(0, at - 1) : at + 2].max()
+        if is_line and abs(_between(power, at) - frequency * len(x)) < 1.0:
+            left[max(0, at - _WIDTH) : at + _WIDTH + 1] = 0.0
+    return left
 
 
-def _largest(x: Array) -> float:
-    """The frequency of the largest line, per period, between bins (parabola through the logarithms)."""
-    power = np.log(_spectrum(x) + 1e-300)
-    i = int(np.argmax(power[1:-1])) + 1
-    bend = power[i - 1] - 2 * power[i] + power[i + 1]
-    shift = 0.5 * (power[i - 1] - power[i + 1]) / bend if bend < 0 else 0.0
-    return float((i + shift) / len(x))
+def _largest(power: Array) -> float:
+    """Where the largest line is, in bins."""
+    return _between(power, int(np.argmax(power)))
 
 
-def _power_in_lines(x: Array) -> float:
-    power = _spectrum(x)
-    whole, lines = power.sum(), 0.0
+def _between(power: Array, i: int) -> float:
+    """Where the line at bin i is, between bins (parabola through the logarithms)."""
+    if not 0 < i < len(power) - 1:
+        return float(i)
+    low, here, high = np.log(power[i - 1 : i + 2] + 1e-300)
+    bend = low - 2 * here + high
+    return float(i + (0.5 * (low - high) / bend if bend < 0 else 0.0))
+
+
+def _power_in_lines(power: Array) -> float:
+    left, lines = power.copy(), 0.0
     for _ in range(_LINES):
-        i = int(np.argmax(power))
+        i = int(np.argmax(left))
         part = slice(max(0, i - _WIDTH), i + _WIDTH + 1)
-        lines += float(power[part].sum())
-        power[part] = 0.0
-    return lines / float(whole) if whole > 0 else 0.0
+        lines += float(left[part].sum())
+        left[part] = 0.0
+    return lines / float(power.sum())

@@ -1,0 +1,53 @@
+"""Motions whose kind shows late: periods that nearly repeat sooner, tori around orbits of several periods, and shooting where
+there is no orbit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import gearblocks as gb
+from gearblocks.analysis.regimes.neutral import neutral_directions
+from gearblocks.analysis.regimes.orbit import shoot
+from gearblocks.analysis.regimes.strobe import Strobe, strobe
+
+Oscillator = Callable[..., gb.Drivetrain]
+SECTION = gb.stroboscopic("drive")
+
+
+@pytest.mark.long
+def test_a_period_that_nearly_repeats_after_half_of_it_is_seen(oscillator: Oscillator) -> None:
+    # Ueda's oscillator next to a doubling: period 32, whose points miss those 16 periods later by 6e-4 of their size
+    rig = oscillator(lambda drive, x, v: 5.329478 * gb.cos(drive * gb.time) - x**3, k=1e-12)
+    found = gb.classify(rig, SECTION, longest=4)
+    assert found.label == "period 32", found.evidence
+
+
+def test_a_torus_around_an_orbit_of_two_periods_is_one(oscillator: Oscillator) -> None:
+    # x'' + 2 x = cos t + cos t/2, undamped, begun 0.05 beside the orbit: the largest line of its points is that of the orbit
+    rig = oscillator(
+        lambda drive, x, v: gb.cos(drive * gb.time) + gb.cos(drive * gb.time / 2),
+        k=2.0,
+        c=0.0,
+        phi0=1 + 1 / 1.75 + 0.05,
+    )
+    found = gb.classify(rig, SECTION)
+    assert found.label == "quasi-periodic", found.evidence
+    assert "0.414214 times" in found.evidence[0] or "0.414213 times" in found.evidence[0]  # sqrt(2) - 1
+
+
+def test_shooting_gives_up_where_it_comes_no_nearer(oscillator: Oscillator, monkeypatch: pytest.MonkeyPatch) -> None:
+    # an oscillation of its own beside the drive: a torus, on which nothing repeats after 21 periods
+    rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + (0.2 - 0.2 * x**2) * v, k=2.2, c=0.0, phi0=2.0)
+    seen, y = strobe(gb.build(rig), SECTION, None, None, 1e-9).settled(None, 300)
+    neutral, maps, own = neutral_directions(seen, y), [], Strobe.map
+
+    def counted(self: Strobe, y: Any, periods: int, **options: Any) -> Any:
+        maps.append(periods)
+        return own(self, y, periods, **options)
+
+    monkeypatch.setattr(Strobe, "map", counted)
+    assert shoot(seen, y, 21, neutral) is None
+    assert len(maps) <= 12  # six steps that bring nothing, and some before them
