@@ -16,17 +16,19 @@ _PATIENCE = 1.0  # seconds before anything is shown
 @contextmanager
 def progress(
     total: int, done: int, tell: Callable[[int, int], Any] | None, what: str = "study", items: str = "points"
-) -> Iterator[Callable[[int], None]]:
-    """A function that takes how many points are done; tell(done, total) is called instead where it is given. what, items: words
-    for a study and its points."""
+) -> Iterator[Callable[..., None]]:
+    """A function that takes how many points are done, and words about them if there are; tell(done, total) is called instead
+    where it is given. what, items: words for a study and its points."""
     if tell is not None:
-        yield lambda count: tell(count, total)
+        yield lambda count, _="": tell(count, total)
     elif total < 2:
-        yield lambda _: None
+        yield lambda _count, _="": None
     elif not sys.stderr.isatty():
         said = Progress(what)
         try:
-            yield lambda count: said((count - done) / (total - done), f"{count} of {total} {items}")
+            yield lambda count, found="": said(
+                (count - done) / (total - done), f"{count} of {total} {items}{': ' * bool(found)}{found}"
+            )
         finally:
             said.close()
     else:
@@ -35,7 +37,7 @@ def progress(
 
 
 @contextmanager
-def _bar(total: int, before: int, items: str) -> Iterator[Callable[[int], None]]:
+def _bar(total: int, before: int, items: str) -> Iterator[Callable[..., None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -47,11 +49,11 @@ def _bar(total: int, before: int, items: str) -> Iterator[Callable[[int], None]]
     task = bar.add_task("", total=total, completed=before, rate="")
     began = time.monotonic()
 
-    def show(done: int) -> None:
+    def show(done: int, found: str = "") -> None:
         spent = time.monotonic() - began
         if spent > _PATIENCE and not bar.live.is_started:
             bar.start()
-        bar.update(task, completed=done, rate=f"{(done - before) / max(spent, 1e-9):.3g} {items}/s")
+        bar.update(task, completed=done, rate=f"{(done - before) / max(spent, 1e-9):.3g} {items}/s  {found}")
 
     try:
         yield show

@@ -253,7 +253,7 @@ def identity(task: Task, design: Design) -> dict[str, str]:
             task.in_lanes,
         ],
         "the inputs": [(name, _source_text(source)) for name, source in sorted(task.inputs.items())],
-        "the start": [_start_text(task.initial)],
+        "the start": [start_text(task.initial)],
     }
     return {name: digest(*(repr(part) for part in values)) for name, values in parts.items()}
 
@@ -286,7 +286,8 @@ def _source_text(source: Any) -> str:
     return _function_text(source) if callable(source) else repr(finite_number("an input", source))
 
 
-def _start_text(initial: Any) -> str:
+def start_text(initial: Any) -> str:
+    """What tells a start from another one."""
     if isinstance(initial, Trajectory):
         final = initial.final_state
         return "" if final is None else f"{final.t!r} {final.y.tobytes()!r} {final.modes.tobytes()!r}"

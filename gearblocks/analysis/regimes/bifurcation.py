@@ -10,8 +10,10 @@ A point that cannot be run is named; its neighbours begin as if it had not been 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Generator, Iterator, Mapping
 from concurrent.futures import Executor, Future
+from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, final
 
@@ -23,11 +25,13 @@ from gearblocks.analysis.parameter_study import Row, sweep
 from gearblocks.analysis.quantities import points as section_points
 from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.regimes.carried import DIRECTIONS, Motion, carried, output_of, rising
+from gearblocks.analysis.regimes.diagram_store import DiagramStore, Told
 from gearblocks.analysis.regimes.regime import Asked, Regime
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats
 from gearblocks.analysis.study_progress import progress as shown
 from gearblocks.analysis.study_result import Study
+from gearblocks.analysis.study_task import start_text
 from gearblocks.analysis.workers import executor_of, result_of
 from gearblocks.codegen.program import ParameterInfo
 from gearblocks.drivetrain import Drivetrain
@@ -36,6 +40,7 @@ from gearblocks.files import write_text
 from gearblocks.model.listing import matches
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
+from gearblocks.solver.cache import digest
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -67,10 +72,7 @@ class Bifurcation:
     directions: tuple[str, ...] = DIRECTIONS
 
     def __repr__(self) -> str:
-        kinds: dict[str, int] = {}
-        for label in [label for row in self.labels for label in row]:
-            kinds[label] = kinds.get(label, 0) + 1
-        listed = ", ".join(f"{count} {label}" for label, count in sorted(kinds.items(), key=lambda item: -item[1])[:5])
+        listed = _listed(Counter(label for row in self.labels for label in row))
         return f"<{self.of} over {len(self.values)} values of {self.path}, {' and '.join(self.directions)}: {listed}>"
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
@@ -112,7 +114,8 @@ def bifurcation(
 ) -> Bifurcation:  # fmt: skip
     """Points of a section over values of a parameter, up and down, with the state carried over from value to value, full labels
     on `threads` (default: every core) or an executor; with carry=False each from the start: as a study of `gb.sweep`, with
-    its executor, threads and store, and quick labels.
+    its executor, threads and store, and quick labels. store: a folder in which motions are kept as they get their labels; a
+    second call goes on with what is missing.
 
     values: of the parameter, in its unit as `sweep` takes them (of a Parameter in rpm: rpm), or texts with a unit; of: an
     output (default: the first deflection or twist); transient, keep: periods before the points, and points, of each value;
@@ -147,9 +150,27 @@ def bifurcation(
 
     points = np.full((2, len(asked), keep), np.nan)
     protocol = Asked(at(asked[0]), transient, keep, longest)
-    motions = carried(at, asked, initial, transient + keep, on=False)
-    with shown(2 * len(asked), 0, progress, "bifurcation") as tell, executor_of(executor, threads) as (pool, _):
-        found = _told(motions, points, output, protocol, pool if labels == "full" else None, tell)
+    identity = _identity(protocol, info.path, asked, output, labels, section, initial)
+    kept = None if store is None else DiagramStore(store, identity)
+    known = {} if kept is None else kept.known
+    motions = carried(
+        at, asked, initial, transient + keep, on=False, known={point: told.last for point, told in known.items()}
+    )
+    found = {point: told.found for point, told in known.items()}
+    counts = Counter(map(_said, found.values()))
+    for point, told in known.items():
+        points[point] = told.points
+    with (
+        shown(2 * len(asked), len(known), progress, "bifurcation") as tell,
+        executor_of(executor, threads) as (pool, _),
+        closing(_told(motions, output, protocol, pool if labels == "full" else None)) as ones,
+    ):
+        for point, told in ones:
+            found[point], points[point] = told.found, told.points
+            counts[_said(told.found)] += 1
+            if kept is not None:
+                kept.write(point, told)
+            tell(len(found), _listed(counts))
     rows = [[found[i, j] for j in range(len(asked))] for i in range(2)]
     quantity = model.program.outputs[output]
     return Bifurcation(
@@ -161,30 +182,50 @@ def bifurcation(
 
 
 def _told(
-    motions: Iterator[Motion], points: Array, output: int, protocol: Asked, pool: Executor | None, tell: Callable[[int], None],
-) -> dict[tuple[int, int], str | Regime | SimulationError]:  # fmt: skip
-    """What is told of each motion, whose points are filled in: full labels where workers are given."""
-    found: dict[tuple[int, int], str | Regime | SimulationError] = {}
-    waiting: dict[tuple[int, int], Future[Regime | SimulationError]] = {}
+    motions: Iterator[Motion], output: int, protocol: Asked, pool: Executor | None
+) -> Generator[tuple[tuple[int, int], Told], None, None]:  # fmt: skip
+    """What is told of each motion: full labels where workers are given."""
+    waiting: dict[tuple[int, int], tuple[Future[Regime | SimulationError], Array, Array]] = {}
     keep = protocol.keep
     try:
         for i, j, seen, states, error in motions:
             if error is not None:
-                found[i, j] = error
+                yield (i, j), Told(np.full(keep, np.nan), None, error)
                 continue
-            points[i, j] = _outputs(seen, states[-keep:], output, protocol.transient + 1)
+            points = _outputs(seen, states[-keep:], output, protocol.transient + 1)
             if pool is not None:
-                waiting[i, j] = pool.submit(_full, replace(protocol, seen=seen), states)
+                waiting[i, j] = pool.submit(_full, replace(protocol, seen=seen), states), points, states[-1]
             else:
-                found[i, j] = _quick(states[-keep:], protocol.longest)
-                tell(len(found))
-        for point, future in waiting.items():
-            found[point] = result_of(future)
-            tell(len(found))
+                yield (i, j), Told(points, states[-1], _quick(states[-keep:], protocol.longest))
+        for point, (future, points, last) in waiting.items():
+            yield point, Told(points, last, result_of(future))
     finally:
-        for future in waiting.values():
+        for future, _, _ in waiting.values():
             future.cancel()
-    return found
+
+
+def _identity(
+    protocol: Asked, path: str, asked: Array, output: int, labels: str, section: Section, initial: Any
+) -> dict[str, str]:  # fmt: skip
+    """Digests of all that a diagram follows from, by the words in which a store of another one is refused."""
+    seen, fixed = protocol.seen, protocol.seen.parameters.copy()
+    fixed[seen.model.program.parameter_numbers[path]] = 0.0
+    parts: dict[str, list[Any]] = {
+        "the train": [seen.model.program.key],
+        "the parameters": [fixed.tobytes()],
+        "the values": [path, asked.tobytes()],
+        "the section and the output": [section.frequency, output],
+        "the periods": [protocol.transient, protocol.keep, protocol.longest],
+        "the labels": [labels],
+        "the tolerance": [seen.rtol],
+        "the start": [start_text(initial)],
+    }
+    return {name: digest(*(repr(part) for part in given)) for name, given in parts.items()}
+
+
+def _listed(counts: Counter[str]) -> str:
+    """How many there are of the most frequent labels."""
+    return ", ".join(f"{count} {label}" for label, count in counts.most_common(5))
 
 
 def _said(found: str | Regime | SimulationError) -> str:
@@ -204,7 +245,7 @@ def _full(asked: Asked, states: Array) -> Regime | SimulationError:
 
 def _check(carry: bool, labels: str, executor: Any, threads: int | None, store: Any) -> None:
     given = [n for n, x in (("executor", executor), ("threads", threads), ("store", store)) if x is not None]
-    if carry and given and (labels == "quick" or store is not None):
+    if carry and labels == "quick" and (given := [name for name in given if name != "store"]):
         raise ParameterError(
             f"{given[-1]}: with the state carried over a diagram is one run after the other, whose full labels alone go to "
             "workers; with carry=False each value begins at the start"

@@ -5,7 +5,8 @@ A motion that cannot be run is told by its error; the next one begins at the sta
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,13 +48,20 @@ class Motion(NamedTuple):
     error: SimulationError | None
 
 
-def carried(at: Callable[[float], Strobe], values: Array, initial: Any, periods: int, *, on: bool) -> Iterator[Motion]:
-    """Motions of so many periods over the values, up and then down; on: down goes on where up has ended."""
+def carried(
+    at: Callable[[float], Strobe], values: Array, initial: Any, periods: int, *, on: bool,
+    known: Mapping[tuple[int, int], Array | None] = MappingProxyType({}),
+) -> Iterator[Motion]:  # fmt: skip
+    """Motions of so many periods over the values, up and then down; on: down goes on where up has ended; known: last states of
+    motions by (direction, number), None where there is none, which are not run again."""
     y: Array | None = None
     for direction in range(len(DIRECTIONS)):
         y = y if on else None
         order = range(len(values)) if direction == 0 else reversed(range(len(values)))
         for j in order:
+            if (direction, j) in known:
+                y = known[direction, j]
+                continue
             seen = at(float(values[j]))
             try:
                 states = seen.follow(seen.start(initial) if y is None else y, periods).states

@@ -153,7 +153,7 @@ def test_a_diagram_that_was_killed_and_goes_on_is_the_undisturbed_one(oscillator
 
 def test_what_cannot_be_carried_and_spread_is_refused_by_name(oscillator: Oscillator, tmp_path: Path) -> None:
     rig = _grows(oscillator)
-    with pytest.raises(gb.ParameterError, match="store: with the state carried over"):
-        gb.bifurcation(rig, "gain", GAINS, section=SECTION, store=tmp_path / "d.zarr")
+    with pytest.raises(gb.ParameterError, match="threads: with the state carried over"):
+        gb.bifurcation(rig, "gain", GAINS, section=SECTION, store=tmp_path / "d", threads=2)
     with pytest.raises(gb.ParameterError, match="labels = 'full' needs carry=True"):
         gb.bifurcation(rig, "gain", GAINS, **FREE, labels="full")
