@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -34,6 +34,14 @@ _LEAST = sp.Float(1e-300)
 
 _TRACE = sp.Float(1e-200)
 """Damping of what is free [N m s/rad]: a shaft that nothing else holds, as in its gap, moves along."""
+
+
+_BEYOND = sp.Float(1 + 2.0**-20, 17)
+"""How far what leaves has to be below -tau1, in parts of it, until b drives. Where nothing enters, as from a gap, it is
+-tau1 but for rounding for as long as that is so, which tells no side."""
+
+_ROUNDING = sp.Float(2.0**-30, 17)
+"""And per speed [N m s/rad]: rounding of the force of a tie, r times its slip, where there are no bearing torques."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,12 +280,17 @@ def _lossy(s: Any, item: LossyTie, everywhere: bool, behind: bool) -> _Algebraic
         moved = sp.expand(slip - rows[1][shared] / rows[0][shared] * tie)
         item = replace(item, driving=_moved(item.driving, slip, moved), coasting=_moved(item.coasting, slip, moved))
         slip = moved
-    lost = _lost_of_entering if behind else _lost_of_leaving
-    forward, backward = lost(force, item), lost(-force, item)
+    lost = [_lost_of_entering if behind else _lost_of_leaving] * 2
+    if everywhere:
+        lost = [partial(_lost_of_leaving_alike, speed=d * slip) for d in (1, -1)]
+    forward, backward = lost[0](force, item), lost[1](-force, item)
     leaving = force
     if everywhere:
         forward, backward = (along_slip(x, slip, sp.Integer(d)) for x, d in ((forward, 1), (backward, -1)))
-        rest = along_slip(lost(force, item), slip, sp.Integer(0)), along_slip(lost(-force, item), slip, sp.Integer(0))
+        rest = (
+            along_slip(lost[0](force, item), slip, sp.Integer(0)),
+            along_slip(lost[1](-force, item), slip, sp.Integer(0)),
+        )
         bounds = _Bounds(_beyond_rest(s, forward, slip), _beyond_rest(s, backward, -slip), *rest)
         law = _friction(s, "loss", slip, bounds)
         made.items += law.items
@@ -310,6 +323,14 @@ def _lost_of_leaving(force: Any, item: LossyTie) -> Any:
         drives = sp.Heaviside(force + r1, 1)
         return (drives * s1 + (1 - drives) * s2) * (force + r1) + r1
     return sp.Max((1 + s1) * (force + r1), 0) + sp.Min((1 + s2) * (force + r2), 0) - force
+
+
+def _lost_of_leaving_alike(force: Any, item: LossyTie, speed: Any) -> Any:
+    """The same where the bearing torques of both sides are one number: one side or the other, with nothing between. speed: the
+    slip, in the direction of the loss."""
+    (s1, r1), (s2, r2) = (tuple(map(sp.sympify, x)) for x in (item.driving, item.coasting))
+    drives = sp.Heaviside(force + _BEYOND * r1 + _ROUNDING * speed, 1)
+    return drives * (s1 * (force + r1) + r1) + (1 - drives) * (s2 * (force + r2) + r2)
 
 
 def _lost_of_entering(force: Any, item: LossyTie) -> Any:

@@ -31,12 +31,11 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         for p, v in zip(program.parameters, sim.parameters, strict=True)
         if p.path.endswith((".J", ".m")) and v == 0
     ]
-    if code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and any(".held" in p.path for p in program.parameters):
-        remedy = (
-            "in this mode nothing holds a shaft without inertia: friction that is free, teeth in their gap and contact damping "
-            "that is clipped hold nothing; give a spring beside it a c, contact_damping='always', or the shaft an inertia"
-        )
-    elif code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START) and massless:
+    of_rates = code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START)
+    if of_rates and program.algebraic_slips and (flange := _free_flange(program, sim)):
+        element, _, side = flange.rpartition(".")
+        return element, f"nothing tells how fast its side {side} turns, a shaft without inertia", _FREE
+    if of_rates and massless:
         remedy = (
             f"{', '.join(massless[:3])} = 0: a shaft without inertia moves by what damps it, in every mode (teeth in their "
             "gap damp nothing): give a spring beside it a c, contact_damping='always', or the shaft an inertia"
@@ -49,6 +48,15 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
             _OF_A_SOURCE + (f"; it moves '{body}'" if body and code == Code.ERR_NAN_RATE else ""),
         )
     return component_of(program, code, report.index), cause, remedy
+
+
+def _free_flange(program: Program, sim: Simulation) -> str | None:
+    """A flange of friction at a shaft without inertia, whose speed has no number where a run stopped."""
+    slips, names = {slip.component for slip in program.algebraic_slips}, program.output_numbers
+    values = next(_ahead(sim, len(program.switches)), None)
+    speeds = (name for name in names if name.endswith(".w") and name.removesuffix(".w").rpartition(".")[0] in slips)
+    free = (name.removesuffix(".w") for name in speeds if values is not None and np.isnan(values[names[name]]))
+    return next(free, None)
 
 
 def _source(program: Program, sim: Simulation) -> tuple[str, str] | None:
@@ -136,6 +144,12 @@ _OF_A_SOURCE = (
     "look in its values and expressions for a division by 0, a root or logarithm of less than 0; gb.maximum and gb.piecewise "
     "keep away from there"
 )
+
+_FREE = (
+    "in this mode nothing holds it: friction that is free, teeth in their gap and clipped contact damping hold nothing; "
+    "give a spring beside it a c, a gap contact_damping='always', or the shaft an Inertia"
+)
+"""Where the balance of a shaft without inertia has no answer."""
 
 _LOOKS = 16
 """Rows of a run at which its fastest mode is looked for: teeth are in contact at some."""

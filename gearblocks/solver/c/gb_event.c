@@ -2,7 +2,7 @@
 #include "gb_constraint_switching.h"
 #include "gb_evaluate.h"
 #include "gb_inputs.h"
-#include "gb_limit_noise.h"
+#include "gb_mode_search.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_reach.h"
@@ -11,21 +11,14 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-/* -1 or 1: event function i is beyond its lower or upper limit by more than rounding. */
-static int beyond(const gb_sim *sim, int i) {
-    const double s = sim->events.s[i], lo = sim->events.lo[i], hi = sim->events.hi[i];
-    const double unit = 64.0 * DBL_EPSILON;
-    if (sim->events.armed[i] != -1.0 && lo > -HUGE_VAL && s < lo - unit * (fabs(s) + fabs(lo))) {
-        return -1;
+/* What flips one after the other does not come to an end: the nearest modes that agree, where there are massless
+ * groups.
+ */
+static int search_instead(gb_sim *sim, int code, int log) {
+    if (code != GB_DONE && gb_search_modes(sim, log)) {
+        code = sim->head->report.code = GB_DONE;
     }
-    return sim->events.armed[i] != 1.0 && hi < HUGE_VAL && s > hi + unit * (fabs(s) + fabs(hi));
-}
-
-/* The same, and by more than noise: that of the states, and of what active constraints hold there. */
-static int clearly_beyond(gb_sim *sim, int i) {
-    const int side = beyond(sim, i);
-    const double distance = side == 0 ? 0.0 : sim->events.s[i] - (side < 0 ? sim->events.lo[i] : sim->events.hi[i]);
-    return side != 0 && !gb_is_noise(sim, i, distance, sim->instant.time_terms, sim->y, sim->y);
+    return code;
 }
 
 int gb_settle_modes(gb_sim *sim, int log) {
@@ -37,11 +30,15 @@ int gb_settle_modes(gb_sim *sim, int log) {
     for (int round = 0; round < GB_FLIPS && model->n_event_functions > 0; round++) {
         int changed = 0;
         code = gb_event_functions_now(sim);
+        if (code == GB_DONE && gb_balance_is_singular(sim)) {
+            gb_search_modes(sim, log);
+        }
         for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
-            if (sim->events.role[i] != GB_CONSTRAINED && clearly_beyond(sim, i)) {
+            if (sim->events.role[i] != GB_CONSTRAINED && gb_is_beyond(sim, i)) {
                 const double mode = model->mode_at(sim->par, i, sim->events.s[i]);
                 if (mode == sim->mode[i]) {
-                    return gb_fail(sim, GB_ERR_BRANCH, i, sim->head->front.t1, sim->events.s[i]);
+                    code = gb_fail(sim, GB_ERR_BRANCH, i, sim->head->front.t1, sim->events.s[i]);
+                    return search_instead(sim, code, log);
                 }
                 gb_set_mode(sim, i, mode, log && sim->events.role[i] == GB_ORDINARY);
                 sim->events.armed[i] = 0.0;
@@ -51,11 +48,12 @@ int gb_settle_modes(gb_sim *sim, int log) {
             }
         }
         if (!changed || code != GB_DONE) {
-            return code;
+            return search_instead(sim, code, log);
         }
         gb_mode_limits(sim);
     }
-    return last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->front.t1, sim->events.s[last]);
+    code = last < 0 ? code : gb_fail(sim, GB_ERR_BRANCH, last, sim->head->front.t1, sim->events.s[last]);
+    return search_instead(sim, code, log);
 }
 
 int gb_settle_all(gb_sim *sim, int log) {

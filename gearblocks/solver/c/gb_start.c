@@ -10,6 +10,7 @@
 #include "gb_inputs.h"
 #include "gb_memory.h"
 #include "gb_method_choice.h"
+#include "gb_mode_search.h"
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_rosenbrock.h"
@@ -132,6 +133,9 @@ static int modes_of_state(gb_sim *sim) {
     int first = 0, code = GB_DONE;
     for (int round = 0; round < most && model->n_event_functions > 0 && code == GB_DONE; round++) {
         code = gb_event_functions_now(sim);
+        if (code == GB_DONE && gb_balance_is_singular(sim) && gb_search_modes(sim, 0)) {
+            return code;
+        }
         first = code == GB_DONE ? first_apart(sim) : first;
         if (code != GB_DONE || first < 0) {
             return code;
@@ -143,7 +147,7 @@ static int modes_of_state(gb_sim *sim) {
             }
         }
     }
-    return code == GB_DONE && model->n_event_functions > 0
+    return code == GB_DONE && model->n_event_functions > 0 && !gb_search_modes(sim, 0)
                ? gb_fail(sim, GB_ERR_BRANCH, first, sim->head->front.t1, sim->events.s[first])
                : code;
 }
