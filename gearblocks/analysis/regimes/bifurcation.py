@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator, Mapping
-from concurrent.futures import Executor, Future
+from concurrent.futures import Future
 from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, final
@@ -124,15 +124,7 @@ def bifurcation(
     """
     model = build(train)
     _check(carry, labels, executor, threads, store)
-    if labels not in LABELS:
-        raise ParameterError(f"labels = {labels!r} must be 'quick' or 'full'")
-    if transient < 0:
-        raise ParameterError(f"transient = {transient} must be 0 or more periods")
-    if keep <= 2 * longest:
-        raise ParameterError(
-            f"keep = {keep} points are too few to see a period of longest = {longest} repeat: give keep >= {2 * longest + 1} "
-            "or a smaller longest"
-        )
+    _check_periods(labels, transient, keep, longest)
     names = model.program.parameter_numbers
     info = model.program.parameters[resolve(parameter, names, "parameter")]
     asked = rising(values, info)
@@ -152,25 +144,10 @@ def bifurcation(
     protocol = Asked(at(asked[0]), transient, keep, longest)
     identity = _identity(protocol, info.path, asked, output, labels, section, initial)
     kept = None if store is None else DiagramStore(store, identity)
-    known = {} if kept is None else kept.known
-    motions = carried(
-        at, asked, initial, transient + keep, on=False, known={point: told.last for point, told in known.items()}
-    )
-    found = {point: told.found for point, told in known.items()}
-    counts = Counter(map(_said, found.values()))
-    for point, told in known.items():
-        points[point] = told.points
-    with (
-        shown(2 * len(asked), len(known), progress, "bifurcation") as tell,
-        executor_of(executor, threads) as (pool, _),
-        closing(_told(motions, output, protocol, pool if labels == "full" else None)) as ones,
-    ):
-        for point, told in ones:
-            found[point], points[point] = told.found, told.points
-            counts[_said(told.found)] += 1
-            if kept is not None:
-                kept.write(point, told)
-            tell(len(found), _listed(counts))
+    last = {} if kept is None else {point: told.last for point, told in kept.known.items()}
+    motions = carried(at, asked, initial, transient + keep, on=False, known=last)
+    ones = _told(motions, output, protocol, labels == "full", (executor, threads))
+    found = _kept(ones, points, kept, progress)
     rows = [[found[i, j] for j in range(len(asked))] for i in range(2)]
     quantity = model.program.outputs[output]
     return Bifurcation(
@@ -181,27 +158,49 @@ def bifurcation(
     )  # fmt: skip
 
 
+def _kept(
+    ones: Generator[tuple[tuple[int, int], Told], None, None], points: Array, kept: DiagramStore | None,
+    progress: Callable[[int, int], Any] | None,
+) -> dict[tuple[int, int], str | Regime | SimulationError]:  # fmt: skip
+    """What is told of all motions, whose points are filled in; each is kept as it is told."""
+    known = {} if kept is None else kept.known
+    found = {point: told.found for point, told in known.items()}
+    counts = Counter(map(_said, found.values()))
+    for point, told in known.items():
+        points[point] = told.points
+    total = points.shape[0] * points.shape[1]
+    with shown(total, len(known), progress, "bifurcation") as tell, closing(ones):
+        for point, told in ones:
+            found[point], points[point] = told.found, told.points
+            counts[_said(told.found)] += 1
+            if kept is not None:
+                kept.write(point, told)
+            tell(len(found), _listed(counts))
+    return found
+
+
 def _told(
-    motions: Iterator[Motion], output: int, protocol: Asked, pool: Executor | None
+    motions: Iterator[Motion], output: int, protocol: Asked, full: bool, workers: tuple[Any, int | None]
 ) -> Generator[tuple[tuple[int, int], Told], None, None]:  # fmt: skip
-    """What is told of each motion: full labels where workers are given."""
+    """What is told of each motion; full labels by workers, an executor or a number of threads."""
     waiting: dict[tuple[int, int], tuple[Future[Regime | SimulationError], Array, Array]] = {}
     keep = protocol.keep
-    try:
-        for i, j, seen, states, error in motions:
-            if error is not None:
-                yield (i, j), Told(np.full(keep, np.nan), None, error)
-                continue
-            points = _outputs(seen, states[-keep:], output, protocol.transient + 1)
-            if pool is not None:
-                waiting[i, j] = pool.submit(_full, replace(protocol, seen=seen), states), points, states[-1]
-            else:
-                yield (i, j), Told(points, states[-1], _quick(states[-keep:], protocol.longest))
-        for point, (future, points, last) in waiting.items():
-            yield point, Told(points, last, result_of(future))
-    finally:
-        for future, _, _ in waiting.values():
-            future.cancel()
+    with executor_of(*workers) as (pool, _):
+        try:
+            for i, j, seen, states, error in motions:
+                if error is not None:
+                    yield (i, j), Told(np.full(keep, np.nan), None, error)
+                    continue
+                points = _outputs(seen, states[-keep:], output, protocol.transient + 1)
+                if full:
+                    waiting[i, j] = pool.submit(_full, replace(protocol, seen=seen), states), points, states[-1]
+                else:
+                    yield (i, j), Told(points, states[-1], _quick(states[-keep:], protocol.longest))
+            for point, (future, points, last) in waiting.items():
+                yield point, Told(points, last, result_of(future))
+        finally:
+            for future, _, _ in waiting.values():
+                future.cancel()
 
 
 def _identity(
@@ -252,6 +251,18 @@ def _check(carry: bool, labels: str, executor: Any, threads: int | None, store: 
         )
     if not carry and labels != "quick":
         raise ParameterError("labels = 'full' needs carry=True; gb.classify labels single values")
+
+
+def _check_periods(labels: str, transient: int, keep: int, longest: int) -> None:
+    if labels not in LABELS:
+        raise ParameterError(f"labels = {labels!r} must be 'quick' or 'full'")
+    if transient < 0:
+        raise ParameterError(f"transient = {transient} must be 0 or more periods")
+    if keep <= 2 * longest:
+        raise ParameterError(
+            f"keep = {keep} points are too few to see a period of longest = {longest} repeat: give keep >= {2 * longest + 1} "
+            "or a smaller longest"
+        )
 
 
 def _quantities(model: Model, output: int, longest: int) -> list[Quantity]:

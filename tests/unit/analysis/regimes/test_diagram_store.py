@@ -107,4 +107,4 @@ def test_the_progress_says_which_labels_there_are(oscillator: Oscillator, monkey
     monkeypatch.setattr("gearblocks.analysis.study_progress.Progress", Heard)
     monkeypatch.setattr("sys.stderr.isatty", lambda: False)
     gb.bifurcation(_ueda(oscillator), "force", FORCES[:2], **ASK)
-    assert said[-1].startswith("4 of 4 points: ") and "quick: period 2" in said[-1]
+    assert said == [f"{k} of 4 points: {k} quick: not periodic" for k in range(1, 5)]
