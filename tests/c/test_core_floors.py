@@ -43,7 +43,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ),
     ("gb_dense_output", "gb_constraint_switching"),
     ("gb_sliding", "gb_sliding_outputs", "gb_event_values", "gb_features"),
-    ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_defect"),
+    ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_rounding_motion", "gb_defect"),
     ("gb_enclosed_limit",),
     ("gb_locate_enclosed", "gb_departure", "gb_departed", "gb_drift", "gb_cut"),
     ("gb_locate_polynomial", "gb_start"),
@@ -61,6 +61,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
 ALONE = (
     "gb_model.h",
     "gb_core.h",
+    "gb_patience.h",
     "gb_internal.h",
     "gb_methods.h",
     "gb_constraints.h",

@@ -49,19 +49,15 @@ static double log_error_at(gb_sim *sim, double theta) {
 static int is_wrong(gb_sim *sim, double theta) {
     struct gb_pace *control = &sim->head->control;
     const uint64_t modes = sim->head->events.mode_hash;
-    const size_t slot = (size_t)(modes % GB_MEMORY);
     const long long events = sim->head->counts.events;
-    const int known = control->cut_modes[slot] == modes;
-    const long long gap = known ? control->cut_gap[slot] : 0;
-    if (gap > 0 && events < control->cut_at[slot]) {
+    if (gb_is_patient(&control->cuts, modes, events)) {
         return 0;
     }
+    double *last = &control->cut_error[modes % GB_MEMORY];
     const double error = log_error_at(sim, theta), whole = error - gb_rough_log2(theta + 1e-30);
-    const int alike = known && fabs(error - control->cut_error[slot]) < ALIKE;
-    control->cut_modes[slot] = modes;
-    control->cut_error[slot] = error;
-    control->cut_gap[slot] = whole < (alike ? 0.0 : NONE) ? (2 * gap < MOST ? 2 * gap + 1 : MOST) : 0;
-    control->cut_at[slot] = events + control->cut_gap[slot];
+    const int alike = gb_was_looked_at(&control->cuts, modes) && fabs(error - *last) < ALIKE;
+    *last = error;
+    gb_looked(&control->cuts, modes, events, whole < (alike ? 0.0 : NONE) ? MOST : 0);
     return error > 0.0;
 }
 

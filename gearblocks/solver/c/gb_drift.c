@@ -1,6 +1,7 @@
 #include "gb_drift.h"
 #include "gb_error_control.h"
 #include "gb_ledger.h"
+#include "gb_rounding_motion.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 

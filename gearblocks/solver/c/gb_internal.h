@@ -4,6 +4,7 @@
 #define GB_INTERNAL_H
 
 #include "gb_core.h"
+#include "gb_patience.h"
 
 #include <float.h>
 #include <math.h>
@@ -18,7 +19,6 @@ enum {
     GB_ROWS = 8,          /* rows of a dense polynomial */
     GB_EIGHTHS = 8,       /* interior samples of an event function */
     GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
-    GB_MEMORY = 64,       /* remembered step sizes */
     GB_SLIDING = 4,       /* switches that slide along their limit at a time */
     GB_FLIPS = 20         /* flips of one switch without progress of time before the run stops */
 };
@@ -94,9 +94,8 @@ struct gb_pace {
     unsigned noise_pattern, doublings;  /* measurements of noise and doublings of what they find, so far */
     double natural, natural_coordinate; /* the largest natural scale of a speed (-1: not known) and of a coordinate */
     int moved, unscaled;                /* see gb_rest.h; states without a tolerance scale yet: GB_SMALL, GB_AT_REST */
-    uint64_t cut_modes[GB_MEMORY];
     double cut_error[GB_MEMORY];
-    long long cut_at[GB_MEMORY], cut_gap[GB_MEMORY]; /* when cuts in these modes are looked at: see gb_cut.h */
+    gb_patience cuts; /* with cuts: see gb_cut.h */
 };
 
 /* Energies that steps exchange, and what the last look at their error found. */
@@ -109,6 +108,7 @@ struct gb_ledger {
     long long found_at, look_at; /* steps that were done at that look, and at the next one */
     uint64_t modes[GB_MEMORY];   /* modes that were looked at */
     double h_known[GB_MEMORY];   /* a longer step in them is looked at */
+    gb_patience cuts;            /* with integrals of cut steps */
 };
 
 /* Drift of the energy balance, see gb_drift.h. */

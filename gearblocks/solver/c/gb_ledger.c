@@ -21,6 +21,10 @@ static const double SAFETY = 2.0;
 /* Steps between two looks where the states set the step; log2 of an error that is looked at again at once. */
 enum { BETWEEN = 64, NEAR = -1 };
 
+/* An integral of a cut step that is right by so much, as log2, is not looked at in the next ones in its modes. */
+static const double NO_CUT = 4.0;
+enum { MOST_CUTS = 32 };
+
 /* By how much an estimate may fall from one step to the next, as log2, and from where on that is looked at: far below
  * rounding decides. */
 static const double FALL = 2.0, FAR = -12.0;
@@ -291,9 +295,11 @@ static int integrate(gb_sim *sim, double theta) {
 
 int gb_ledger_cut(gb_sim *sim, double theta) {
     const struct gb_front *front = &sim->head->front;
+    struct gb_ledger *ledger = &sim->head->ledger;
     const double h = front->h, rtol = gb_max(sim->head->options.rtol, LEAST);
+    const uint64_t modes = sim->head->events.mode_hash;
     double one, two;
-    if (!(front->t1 > front->t0)) {
+    if (!(front->t1 > front->t0) || gb_is_patient(&ledger->cuts, modes, sim->head->counts.events)) {
         return GB_DONE;
     }
     const double kept = yardstick(sim, gb_exchange(sim, sim->y), theta * h, front->t1 - front->t_start) / h;
@@ -303,47 +309,7 @@ int gb_ledger_cut(gb_sim *sim, double theta) {
     }
     const double whole = yardstick(sim, gb_exchange(sim, sim->z), h, front->t0 + h - front->t_start) / h;
     const double inside = errors_by(sim->method, one / whole, two / whole).inside + gb_rough_log2(whole / kept);
-    return inside > gb_rough_log2(rtol + sim->head->ledger.noise / kept) + 1.0 ? integrate(sim, theta) : GB_DONE;
-}
-
-/* sum |E_i| at a state, in the present modes at the front. */
-static double energy_at(gb_sim *sim, const double *y) {
-    double sum = 0.0;
-    sim->model->energies(sim->par, sim->mode, sim->instant.time_terms, y, sim->scratch.energies);
-    for (int i = 0; i < sim->model->n_energies; i++) {
-        sum += fabs(sim->scratch.energies[i]);
-    }
-    return sum;
-}
-
-/* The speed that is taken for rounding: what the noise of its rate makes in the run so far; and less than the last bit
- * of 1 rad (of 1 m) in all of it, which a friction leaves whose capacity passes 0 beside a body at rest. */
-static double rounding_of_speed(const gb_sim *sim, int i) {
-    const double time = sim->head->front.t1 - sim->head->front.t_start;
-    return time > 0.0 ? gb_max(time * sim->control.noise[i], DBL_EPSILON / time) : 0.0;
-}
-
-int gb_moves_by_rounding(const gb_sim *sim) {
-    for (int i = sim->model->n - sim->model->n_speeds; i < sim->model->n; i++) {
-        if (!(sim->control.largest[i] <= rounding_of_speed(sim, i))) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-double gb_rounding_energy(gb_sim *sim) {
-    const gb_model *model = sim->model;
-    double energy[2] = {0.0, 0.0}; /* of speeds that are taken for rounding, and of the largest that there were */
-    if (gb_time_terms_at(sim, sim->head->front.t1) != GB_DONE) {
-        return 0.0;
-    }
-    memcpy(sim->z2, sim->y, sizeof(double) * (size_t)model->n_total);
-    for (int which = 0; which < 2; which++) {
-        for (int i = model->n - model->n_speeds; i < model->n; i++) {
-            sim->z2[i] = which == 0 ? rounding_of_speed(sim, i) : sim->control.largest[i];
-        }
-        energy[which] = energy_at(sim, sim->z2);
-    }
-    return energy[1] <= energy[0] ? gb_max(energy[0] - energy_at(sim, sim->y), 0.0) : 0.0;
+    const double limit = gb_rough_log2(rtol + ledger->noise / kept) + 1.0;
+    gb_looked(&ledger->cuts, modes, sim->head->counts.events, inside < limit - NO_CUT ? MOST_CUTS : 0);
+    return inside > limit ? integrate(sim, theta) : GB_DONE;
 }

@@ -64,7 +64,4 @@ static inline void gb_ledger_take(gb_sim *sim) {
     sim->head->ledger.turnover += exchanged;
 }
 
-/* No speed has been larger than the noise of its rate may have made it in the run so far, all of one sign. */
-int gb_moves_by_rounding(const gb_sim *sim);
-
 #endif
