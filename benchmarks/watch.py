@@ -28,7 +28,8 @@ SHARES = {
 }  # fmt: skip
 """Scenes of which an effect can be watched, and how much of each window is run: under callgrind all takes 50 times as long."""
 LIMIT = 2.0
-"""Percent, for the rattle and the whine."""
+"""Percent, where a gap is left out of scenes whose steps are not cheap."""
+LIMITED = ("gear_pair:rattle", "gear_pair:whine", "two_speed_shift:shift")
 MARKS = Path(__file__).parent / "c" / "counting.c"
 VARIANT = "x86-64-v3"
 """Valgrind knows no AVX-512."""
@@ -112,7 +113,7 @@ def measured(each: list[Case], folder: Path) -> Iterator[tuple[Case, int, int, i
 
 
 def main(names: list[str]) -> None:
-    """Prints the table; exit status 1 where the watch of rattle or whine takes more than its limit."""
+    """Prints the table; exit status 1 where the watch takes more than its limit."""
     if shutil.which("valgrind") is None:
         print("valgrind is not here")
         return
@@ -125,7 +126,7 @@ def main(names: list[str]) -> None:
             share = 100 * more / bare
             shown = f"| {case.scene} | {case.effect} | {steps} | {events} | {bare / steps:,.0f} | {more / steps:,.0f} "
             print(f"{shown}| {share:.2f} % |", flush=True)
-            if case.scene.startswith("gear_pair"):
+            if case.scene in LIMITED and case.effect.endswith("backlash"):
                 worst = max(worst, share)
     if worst > LIMIT:
         sys.exit(1)

@@ -130,7 +130,7 @@ class Function:
     """One function of a batch, called once per instance.
 
     constants: (name, C) of what it defines first; read: roles in its constants and expressions; count: instances;
-    words: the components, for a comment.
+    words: the components, for a comment; each: of outputs, what every one of them reads.
     """
 
     name: str
@@ -140,6 +140,7 @@ class Function:
     read: Roles
     count: int
     words: str = ""
+    each: tuple[tuple[Operand, Roles], ...] = ()
 
     @property
     def looped(self) -> bool:

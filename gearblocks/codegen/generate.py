@@ -157,8 +157,12 @@ def _shows(g: Generator, code: BatchCode) -> None:
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
         shows[unwrapped].append(Assignment(out, "show", located(expr) if unwrapped else expr))
         g.output_groups.append(shown(g, code, show.name, show.unit, show.words))
-    g.keep("outputs", code.function("outputs", shows[False]))
-    g.keep("outputs", code.function("unwrapped_outputs", shows[True], vector=Role.UNWRAPPED_ANGLES))
+    for vector, name, those in (
+        (Role.STATES, "outputs", shows[False]), (Role.UNWRAPPED_ANGLES, "unwrapped_outputs", shows[True]),
+    ):  # fmt: skip
+        made = code.function(name, those, vector=vector)
+        made.each = tuple((a.target, code.names([a.expr], vector=vector).reads) for a in those)
+        g.keep("outputs", made)
 
 
 def _flange_torque(code: BatchCode, flange: str) -> Operand:

@@ -39,12 +39,14 @@ class Sparse:
 
 @dataclass(frozen=True, slots=True)
 class OutputCall:
-    """What computes outputs of one batch, [first, end); of_state: whether these need neither rates nor torques of flanges."""
+    """What computes outputs of one batch, [first, end); of_state: whether these need neither rates nor torques of flanges;
+    angles: the first one that reads angles (-1: none)."""
 
     function: Function
     first: int
     end: int
     of_state: bool
+    angles: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,11 +148,13 @@ _OF_MOTION = {
     Role.ACCELERATIONS, Role.FLANGE_TORQUES, Role.CONSTRAINT_FORCES, Role.FEEDBACK_SIGNALS, Role.RATES,
 }  # fmt: skip
 """What an output reads that needs more than the state."""
+_ANGLES = {Role.ANGLES, Role.UNWRAPPED_ANGLES}
 
 
 def _output_call(f: Function) -> OutputCall:
     offsets = [int(s.target.offset) for s in f.body if isinstance(s.target, Operand)]
-    return OutputCall(f, min(offsets), max(offsets) + f.count, _OF_MOTION.isdisjoint(f.roles))
+    angles = [int(target.offset) for target, reads in f.each if not _ANGLES.isdisjoint(reads)]
+    return OutputCall(f, min(offsets), max(offsets) + f.count, _OF_MOTION.isdisjoint(f.roles), min(angles, default=-1))
 
 
 def _loops(g: Generator) -> dict[str, Any]:

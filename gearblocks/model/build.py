@@ -22,7 +22,7 @@ from gearblocks.model.relative_starts import solve_relative
 from gearblocks.model.start_accelerations import fit_accelerations
 from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescribed, parameter_value, solve_dependent
 from gearblocks.solver.cache import digest, user_cache
-from gearblocks.solver.library import Model, compile_program, start_core_build
+from gearblocks.solver.library import Model, compile_program, core_identity, start_core_build
 from gearblocks.train.expression_depth import refused_where_too_deep
 from gearblocks.train.graph import GROUND, Train, Tree, flatten
 from gearblocks.train.structure import structural_text, structure_of
@@ -85,6 +85,14 @@ def _build(train: Train) -> Model:
     fit_lossy(model, train)
     fit_accelerations(model, train)
     return with_starts(model, train)
+
+
+def train_digest(train: Train) -> str:
+    """Digest of what the model of a train is made of: the program's key, the core, and all numbers. Raises ModelError."""
+    numbers = sorted(_values(train)[0].items())
+    return digest(
+        "train", package_digest(), core_identity(), classes_digest(train), structural_text(train), repr(numbers)
+    )
 
 
 def make_program(train: Train) -> Program:

@@ -4,11 +4,13 @@
     near: abs(w/abs(s) - 1) <= 0.2        w: a frequency that excites
 
 A mode belongs to an element that holds a fifth or more of its strain energy. Excitations are those that the blocks declare:
-orders of their speeds in the run, and frequencies over time. Knows nothing of how the run was made.
+orders of their speeds in the run, and frequencies over time. The modes of a train are looked for once, and kept in the
+cache. Knows nothing of how the run was made.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
@@ -16,8 +18,9 @@ import numpy as np
 
 from gearblocks.errors import ParameterError, SimulationError
 from gearblocks.language.watches import Excitation
-from gearblocks.model.build import build_train
+from gearblocks.model.build import build_train, train_digest
 from gearblocks.simulation.equilibrium import equilibrium
+from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.fast_modes import fast_modes
 from gearblocks.solver.point import Point, opened
 from gearblocks.solver.structures import Array
@@ -25,6 +28,7 @@ from gearblocks.train.graph import Train
 
 _NEAR = 0.2  # of the natural frequency
 _SHARE = 0.2  # of the strain energy
+_known: dict[str, dict[str, list[float]]] = {}  # by train and compliances: a few numbers each
 
 
 class Resonance(NamedTuple):
@@ -46,12 +50,14 @@ def resonances(
 ) -> list[Resonance]:  # fmt: skip
     """full: the train with the compliances `rigid`; known: outputs of the run; t: times [s] of it, at which `speeds` gives
     outputs by name."""
-    excited = list(_frequencies(full, known, t, speeds))
-    if not excited:
+    exciting = dict.fromkeys((c.path, x) for c in full.components for x in c.block.excitations())
+    natural = natural_frequencies(full, rigid) if exciting else {}
+    if not any(natural.values()):
         return []
+    excited = list(_frequencies(exciting, known, t, speeds))
     found = []
-    for effect, natural in natural_frequencies(full, rigid).items():
-        for w in _different(natural):
+    for effect, rates in natural.items() if excited else ():
+        for w in _different(rates):
             rows = [_row(effect, w, of, frequency, t) for of, frequency in excited]
             found += [row for row in rows if row.times] or [min(rows, key=lambda row: _distance(row, w))]
     return found
@@ -75,10 +81,10 @@ def _row(effect: str, w: float, of: str, frequency: Array, t: Array) -> Resonanc
 
 
 def _frequencies(
-    full: Train, known: Collection[str], t: Array, speeds: Callable[[Sequence[str]], Mapping[str, Array]]
-) -> Iterator[tuple[str, Array]]:
+    listed: Collection[tuple[str, Excitation]], known: Collection[str], t: Array,
+    speeds: Callable[[Sequence[str]], Mapping[str, Array]],
+) -> Iterator[tuple[str, Array]]:  # fmt: skip
     """What excites, and its frequency [rad/s] over the times."""
-    listed = dict.fromkeys((c.path, x) for c in full.components for x in c.block.excitations())
     names = {name for path, x in listed for name in _speed_names(path, x) if name in known}
     found = speeds(sorted(names)) if names else {}
     for path, x in listed:
@@ -99,7 +105,19 @@ def _speed_names(path: str, x: Excitation) -> list[str]:
 
 
 def natural_frequencies(full: Train, rigid: Sequence[str]) -> dict[str, list[float]]:
-    """Natural frequencies [rad/s] of the modes that strain each of these ("shaft.compliance"); none of a long train."""
+    """Natural frequencies [rad/s] of the modes that strain each of these ("shaft.compliance"); none of a long train. From the
+    cache, where they were found before."""
+    key = digest(train_digest(full), *rigid)
+    if key not in _known:
+        cache = user_cache()
+        stored = cache.read("modes", key)
+        _known[key] = _found(full, rigid) if stored is None else json.loads(stored)
+        if stored is None:
+            cache.write("modes", key, json.dumps(_known[key]).encode())
+    return _known[key]
+
+
+def _found(full: Train, rigid: Sequence[str]) -> dict[str, list[float]]:
     model = build_train(full)
     program = model.program
     with model.library.open() as sim:

@@ -67,6 +67,7 @@ _Unit = TypeVar("_Unit")
 _Made = TypeVar("_Made")
 _LOOK = 0.5  # seconds between two looks at how far the core is
 _builds: dict[tuple[int, str], _Build] = {}
+_libraries: dict[tuple[str, str], Path] = {}  # of the core, by place of the cache and key
 _lock = threading.Lock()
 
 
@@ -255,15 +256,22 @@ def core_digest(sources: dict[str, bytes]) -> str:
     return digest(*(part for item in sources.items() for part in item))
 
 
+@functools.cache
+def core_identity() -> str:
+    """Digest of the sources of the core as they were read."""
+    return core_digest(_core_snapshot())
+
+
 def _core_key(compiler: Compiler) -> str:
-    return digest(
-        compiler.identity, *FLAGS, *_COOL, *_HOT, *compiler.native, cpu_identity(), core_digest(_core_snapshot())
-    )
+    return digest(compiler.identity, *FLAGS, *_COOL, *_HOT, *compiler.native, cpu_identity(), core_identity())
 
 
 def _core_library(compiler: Compiler, key: str) -> Path:
-    """The library of the core, made where it is not in the cache."""
-    return user_cache().find("core", key, SHARED_SUFFIX) or _core(compiler, key).core().library
+    """The library of the core, made where it is not in the cache; looked for once, since it is loaded once."""
+    place = (str(user_cache().root), key)
+    if place not in _libraries:
+        _libraries[place] = user_cache().find("core", key, SHARED_SUFFIX) or _core(compiler, key).core().library
+    return _libraries[place]
 
 
 def _core(compiler: Compiler, key: str) -> _Build:

@@ -42,7 +42,6 @@ _PROTOTYPES: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "gb_keep_account": (None, (c_void_p, POINTER(AccountStructure))),
     "gb_watch_room": (c_size_t, (c_void_p, c_int)),
     "gb_watches_begin": (None, (POINTER(WatchesStructure),)),
-    "gb_watches_end": (c_int, (c_void_p, POINTER(WatchesStructure))),
     "gb_study_run": (c_int, (c_void_p, c_void_p, c_double)),
     "gb_tangent_size": (c_size_t, (c_void_p, c_int)),
     "gb_tangents_run": (c_int, (c_void_p, c_void_p, c_double)),

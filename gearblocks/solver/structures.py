@@ -132,7 +132,7 @@ class WatchStructure(ctypes.Structure):
         ("least", c_double),
         ("largest", c_double),
         ("side", c_int),
-        *((name, c_double) for name in ("t", "value", "known")),
+        *((name, c_double) for name in ("t", "value", "known", "low", "high", "seen")),
     ]
 
 
@@ -144,7 +144,6 @@ class WatchesStructure(ctypes.Structure):
         ("output", c_void_p),
         ("count", c_int),
         ("from_event", c_int),
-        ("rows", c_long),
         ("room", c_void_p),
     ]
 

@@ -29,11 +29,10 @@ class Watches:
     """Outputs by number and the limit of each (0: changes of the sign), for one run."""
 
     def __init__(self, shared: ctypes.CDLL, sim: int | None, outputs: Sequence[int], limits: Sequence[float]) -> None:
-        self._shared, self._sim = shared, sim
         self._of = (WatchStructure * len(outputs))(*(WatchStructure(limit) for limit in limits))
         self._outputs = np.array(outputs, dtype=np.intc)
         self._room = np.empty(shared.gb_watch_room(sim, len(outputs)))
-        self.raw = WatchesStructure(self._of, address(self._outputs), len(outputs), 0, 0, address(self._room))
+        self.raw = WatchesStructure(self._of, address(self._outputs), len(outputs), 0, address(self._room))
         shared.gb_watches_begin(self.raw)
 
     def enter(self, record: Record) -> None:
@@ -41,6 +40,5 @@ class Watches:
         record.raw.watches = ctypes.addressof(self.raw)
 
     def end(self) -> list[Seen]:
-        """What was seen of each up to the end of the run, whose simulation is still where it ended."""
-        self._shared.gb_watches_end(self._sim, self.raw)
+        """What was seen of each up to the end of the run."""
         return [Seen(w.count, w.first, w.least, w.largest) for w in self._of]

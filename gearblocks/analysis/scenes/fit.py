@@ -198,7 +198,7 @@ def _around(trials: Trials, best: Trial) -> tuple[Neighbour, ...]:
 def _beside(trials: Trials, best: Trial, words: str, scene: Scene) -> Neighbour:
     names = scene.names
     try:
-        there = Trials(scene, trials.effort)
+        there = Trials(scene, trials.effort, trials.whole.estimates[1])
         trial = there.trial(best.effects)
         return Neighbour(words, there.judged(trial), names, trial.message)
     except GearblocksError as error:

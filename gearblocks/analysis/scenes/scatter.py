@@ -32,7 +32,8 @@ _SETTLED = 0.1  # of the accuracy wanted: what two accuracies of a value that is
 _APART = 0.03  # of the amplitude of the motion: two runs that are that far apart are two motions
 _ROUNDING = 100.0  # tolerances: differences below are errors of the runs
 _REST = 1e-6  # rad/s, m/s: differences of speeds below are rest
-_LEAST = 4  # runs of a mean
+_LEAST, _FEW = 4, 2  # runs of a mean; of one whose quantities hardly scatter though the motion does
+_SURE = 0.05  # of the accuracy wanted: the error of a mean that few runs tell
 _TRIES = 3  # tolerances that are tried before a motion is taken to scatter
 
 
@@ -76,17 +77,20 @@ def perturbed(bench: Bench, size: float, number: int) -> Array:
     return factors
 
 
-def estimate(bench: Bench, within: float, effort: Effort, likely: bool = False) -> Estimate:
+def estimate(bench: Bench, within: float, effort: Effort, alike: Estimate | None = None) -> Estimate:
     """The quantities of a train to a tenth of `within`, by a finer tolerance where it needs one; a mean of four runs where the
-    motion scatters. likely: whether that of a train much alike does: then it is asked first, at no finer tolerance. Raises
-    SimulationError."""
+    motion scatters. alike: that of a train much alike. Where its motion scatters, this one is asked first, at no finer
+    tolerance; where its quantities hardly do, two runs are a mean that leaves nothing open. Raises SimulationError."""
     coarse, made = bench.outcome(effort), 1
     first, asked = coarse, effort
-    if likely:
+    if alike is not None and alike.scattered:
         fine = bench.outcome(effort, perturbed(bench, DETECTS, made))
         made += 1
         if not _same_motion(coarse, fine, effort.rtol):
-            return _scattered(bench, fine, effort, coarse.stats, made)
+            if not _is_sure(alike, within):
+                return _scattered(bench, fine, effort, coarse.stats, made)
+            few = _like(alike, _scattered(bench, fine, effort, coarse.stats, made, _FEW))
+            return few if _is_sure(few, within) else more_runs(bench, few, _LEAST)
     for number in range(_TRIES):
         finer = effort._replace(rtol=max(effort.rtol / FINER, 1e-12))
         fine = bench.outcome(finer, perturbed(bench, DETECTS, made))
@@ -110,9 +114,21 @@ def estimate(bench: Bench, within: float, effort: Effort, likely: bool = False) 
     return _scattered(bench, fine, effort, coarse.stats, made)
 
 
-def _scattered(bench: Bench, one: Outcome, effort: Effort, stats: Stats, made: int) -> Estimate:
-    """A mean of four runs; one: a run of `made` before."""
-    return more_runs(bench, Estimate(one.values, one.values, one.values[None], effort, stats, made), _LEAST)
+def _scattered(bench: Bench, one: Outcome, effort: Effort, stats: Stats, made: int, runs: int = _LEAST) -> Estimate:
+    """A mean of four runs, or so many; one: a run of `made` before."""
+    return more_runs(bench, Estimate(one.values, one.values, one.values[None], effort, stats, made), runs)
+
+
+def _like(alike: Estimate, few: Estimate) -> Estimate:
+    """A mean of few runs, which may agree by chance, with an error no less than that of a train much alike by as many."""
+    with np.errstate(invalid="ignore"):
+        share = np.sqrt(len(alike.members) / len(few.members)) * alike.errors / np.abs(alike.values)
+    return replace(few, errors=np.fmax(few.errors, share * np.abs(few.values)))
+
+
+def _is_sure(found: Estimate, within: float) -> bool:
+    """Whether a mean is known far better than it is asked for."""
+    return bool(np.all(found.errors <= _SURE * within * np.abs(found.values)))
 
 
 def more_runs(bench: Bench, found: Estimate, runs: int) -> Estimate:

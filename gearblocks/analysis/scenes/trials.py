@@ -168,10 +168,11 @@ class Trial:
 
 @final
 class Trials:
-    """All trials of a scene; each set of effects is built once. Raises what the whole train raises."""
+    """All trials of a scene; each set of effects is built once. alike: what is known of the whole train in a scene much alike.
+    Raises what the whole train raises."""
 
-    def __init__(self, scene: Scene, effort: Effort = Effort()) -> None:  # noqa: B008  frozen
-        self.scene, self.effort = scene, effort
+    def __init__(self, scene: Scene, effort: Effort = Effort(), alike: Estimate | None = None) -> None:  # noqa: B008  frozen
+        self.scene, self.effort, self._alike = scene, effort, alike
         self._known: dict[frozenset[str], Trial] = {}
         self.ended = Event()  # by Ctrl-C
         self.whole = Trial(frozenset(), scene.drivetrain, bench_of(scene), built=True)
@@ -229,8 +230,8 @@ class Trials:
 
     def _run(self, trial: Trial) -> None:
         assert trial.bench is not None
-        likely = trial is not self.whole and self.whole.estimates[1].scattered
-        trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort, likely)
+        alike = self._alike if trial is self.whole else self.whole.estimates[1]
+        trial.estimates[1] = estimate(trial.bench, self.scene.within, self.effort, alike)
         trial.stats = trial.bench.timed(self.effort, 1)
 
     def take_turns(self, trials: Iterable[Trial], seconds: float = 1.0) -> Stats:
@@ -262,7 +263,7 @@ class Trials:
             kind = Verdict.no_quantity if trial.lost else Verdict.no_run
             return Judgement(np.full(n, np.nan), np.full(n, np.nan), (kind,) * n)
         found = self._judged(trial, 1)
-        if not patience or not found.members:
+        if not patience or not found.members or Verdict.undecided not in found.verdicts:
             return found
         for stretch, members in self._efforts(trial):
             try:

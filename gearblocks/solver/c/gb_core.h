@@ -109,24 +109,22 @@ typedef struct gb_quantities {
 } gb_quantities;
 
 /* What is watched of an output along the steps of a run: how often its size comes to exceed a limit, or, with the limit
- * 0, how often its sign changes; when first (NAN: never); its least (<= 0) and largest (>= 0) value. Behind: its last
- * side of the limits, and when and where it was there; the size from which on signs are told from errors. */
+ * 0, how often its sign changes; when first (NAN: never); its least and largest value. Behind: its last side of the
+ * limits, and when and where it was there; the size from which on signs are told from errors; the values between which
+ * nothing is to be told; its last value. */
 typedef struct gb_watch {
     double limit;
     long long count;
     double first, least, largest;
     int side;
-    double t, value, known;
+    double t, value, known, low, high, seen;
 } gb_watch;
 
-/* Several of them, and the output of each. room: gb_watch_room(sim, count) numbers of the caller's, with rows that
- * wait.
- */
+/* Several of them, and the output of each. room: gb_watch_room(sim, count) numbers of the caller's. */
 typedef struct gb_watches {
     gb_watch *of;
     const int *output;
     int count, from_event;
-    long rows;
     double *room;
 } gb_watches;
 
@@ -212,10 +210,9 @@ GB_API size_t gb_quantity_room(const gb_sim *sim, int count);
 /* Counts from here on what limits the steps, until NULL is given. */
 GB_API void gb_keep_account(gb_sim *sim, gb_account *account);
 
-/* How many numbers of room watches need; before a run (limits stand); after it, for the rows that wait. */
+/* How many numbers of room watches need; before a run (limits stand). */
 GB_API size_t gb_watch_room(const gb_sim *sim, int count);
 GB_API void gb_watches_begin(gb_watches *all);
-GB_API int gb_watches_end(gb_sim *sim, gb_watches *all);
 
 /* Many runs of one model. By point: parameters; inputs, start (length n_total) and steps, where these are not NULL (a
  * lone_start is that of every point); times, rising, of which the last one is the end; windows [after, before] of the

@@ -163,4 +163,10 @@ static inline double gb_restitution_damping(double e) {
     return low / e;
 }
 
+/* Whether outputs first .. last of a batch, counted from its first one, are one output of one or several of its `count`
+ * instances, which stand side by side. */
+static inline int gb_is_one_output(int first, int last, int count) {
+    return first >= 0 && first / count == last / count;
+}
+
 #endif

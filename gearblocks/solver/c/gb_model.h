@@ -171,6 +171,10 @@ typedef struct gb_model {
     int (*outputs_of_state)(const double *par, const double *mode, const double *time_terms, const double *y, int first,
                             int last, double *out);
 
+    /* NULL, or: outputs first .. last, as `outputs`. Both functions may leave others as they are. */
+    void (*some_outputs)(const double *par, const double *mode, const double *time_terms, const double *y,
+                         const double *dy, int first, int last, double *out);
+
     /* Kinetic and stored energies, one per ledger entry. */
     const signed char *energy_sign; /* of the integrals behind those of angles: 1 lost, -1 supplied */
     void (*energies)(const double *par, const double *mode, const double *time_terms, const double *y, double *energy);

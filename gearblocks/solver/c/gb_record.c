@@ -70,21 +70,53 @@ static int same_modes(const gb_model *m, const double *row, long left) {
     return count;
 }
 
-/* Outputs first .. last at a recorded row, in its modes, or all; `full` are these with their active set; shares: its
- * modes, where they hold shares, else NULL. */
+/* The first and the last one of those that are picked. */
+static void range_of(const gb_model *m, const int *pick, int n_pick, int *first, int *last) {
+    *first = m->n_outputs;
+    *last = -1;
+    for (int j = 0; j < n_pick; j++) {
+        *first = pick[j] < *first ? pick[j] : *first;
+        *last = pick[j] > *last ? pick[j] : *last;
+    }
+}
+
+/* Outputs first .. last at least, in modes with their active set; dy: the rates there, or NULL. */
+static void outputs_between(gb_sim *sim, const double *mode, const double *time_terms, const double *y,
+                            const double *dy, int first, int last) {
+    const gb_model *m = sim->model;
+    double *out = sim->scratch.outputs;
+    if (m->outputs_of_state && m->outputs_of_state(sim->par, mode, time_terms, y, first, last, out)) {
+        return;
+    }
+    if (!dy) {
+        m->rhs_full(sim->par, mode, time_terms, y, sim->z2);
+        dy = sim->z2;
+    }
+    if (m->some_outputs) {
+        m->some_outputs(sim->par, mode, time_terms, y, dy, first, last, out);
+    } else {
+        m->outputs(sim->par, mode, time_terms, y, dy, out);
+    }
+}
+
+/* The same at a recorded row, in its modes; `full` are these with their active set; shares: its modes, where they hold
+ * shares, else NULL. */
 static void outputs_of_row(gb_sim *sim, const double *shares, const double *full, int lane, const double *y, int first,
                            int last) {
-    const gb_model *m = sim->model;
     if (shares) {
         gb_outputs_with_shares(sim, shares, &sim->instant, lane, y, sim->scratch.outputs);
-        return;
+    } else {
+        outputs_between(sim, full, sim->instant.time_terms + lane, y, NULL, first, last);
     }
-    const double *time_terms = sim->instant.time_terms + lane;
-    if (m->outputs_of_state && m->outputs_of_state(sim->par, full, time_terms, y, first, last, sim->scratch.outputs)) {
-        return;
+}
+
+void gb_outputs_now(gb_sim *sim, const double *time_terms, const double *dy, const int *pick, int n_pick, double *out) {
+    int first, last;
+    range_of(sim->model, pick, n_pick, &first, &last);
+    outputs_between(sim, sim->mode, time_terms, sim->y, dy, first, last);
+    for (int j = 0; j < n_pick; j++) {
+        out[j] = sim->scratch.outputs[pick[j]];
     }
-    m->rhs_full(sim->par, full, time_terms, y, sim->z2);
-    m->outputs(sim->par, full, time_terms, y, sim->z2, sim->scratch.outputs);
 }
 
 int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, int n_pick, double *out,
@@ -92,11 +124,8 @@ int gb_evaluate(gb_sim *sim, const double *rows, long n_rows, const int *pick, i
     const gb_model *m = sim->model;
     const size_t length = gb_row_length(m);
     long r = 0;
-    int first = m->n_outputs, last = -1;
-    for (int j = 0; j < n_pick; j++) {
-        first = pick[j] < first ? pick[j] : first;
-        last = pick[j] > last ? pick[j] : last;
-    }
+    int first, last;
+    range_of(m, pick, n_pick, &first, &last);
     if (!sim->head->started) {
         m->prepare(sim->par);
     }

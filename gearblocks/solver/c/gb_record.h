@@ -15,4 +15,7 @@ int gb_modes_between(gb_sim *sim, double t, const double *y, const double **mode
 /* The row at t within the segment that ends at the front. */
 int gb_write_row(gb_sim *sim, double t, double *row);
 
+/* Outputs at the front, of a run with located events of which none is pending there; dy: the rates there, or NULL. */
+void gb_outputs_now(gb_sim *sim, const double *time_terms, const double *dy, const int *pick, int n_pick, double *out);
+
 #endif

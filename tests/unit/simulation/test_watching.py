@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.simulation import resonances
 
 SCENES = Path(__file__).parents[4] / "shared" / "reference" / "scenes.py"
 
@@ -221,6 +222,21 @@ def test_a_frequency_near_the_mode_of_a_shaft_made_rigid_is_said() -> None:
         run = gb.simulate(_excited(0.5 * natural), t_end=0.1)
     assert [(x.times, x.effect) for x in run.watched] == [(0, "shaft.compliance")]
     assert run.watched.unwatched == ("shaft.damping",)
+
+
+@pytest.mark.usefixtures("quiet")
+def test_modes_that_went_are_looked_for_once_and_kept_for_other_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = gb.build(_excited(812.0))
+    first = gb.simulate(model, t_end=0.05).watched
+
+    def never(*_: Any) -> Any:
+        raise AssertionError
+
+    monkeypatch.setattr(resonances, "_found", never)
+    assert gb.simulate(_excited(812.0), t_end=0.05).watched == first
+    monkeypatch.setattr(resonances, "_known", {})  # as in another process
+    assert gb.simulate(model, t_end=0.05).watched == first
+    assert [row.effect for row in first] == ["shaft.compliance"]
 
 
 @pytest.mark.long

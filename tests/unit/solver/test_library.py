@@ -15,6 +15,7 @@ import gearblocks as gb
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksWarning
 from gearblocks.solver import library as stage
+from gearblocks.solver.cache import Cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, Compiler, find_compiler, zig_compiler
 from gearblocks.solver.library import Library, compile_program, core_files, start_core_build
 from models import modelica_examples, spline_coupling
@@ -25,6 +26,17 @@ def test_the_same_program_is_compiled_once(
 ) -> None:
     monkeypatch.setattr(stage, "produced", None)
     assert compile_program(program()).path == oscillator.path
+
+
+def test_the_core_is_hashed_and_looked_for_once(
+    program: Callable[..., Program], oscillator: Library, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[str] = []
+    find = Cache.find
+    monkeypatch.setattr(stage, "core_digest", None)
+    monkeypatch.setattr(Cache, "find", lambda self, kind, *key: read.append(kind) or find(self, kind, *key))
+    assert compile_program(program()).path == oscillator.path
+    assert set(read) == {"models", "compilers"}
 
 
 def test_another_text_is_another_library(program: Callable[..., Program], oscillator: Library) -> None:

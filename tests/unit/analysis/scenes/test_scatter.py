@@ -56,10 +56,21 @@ def test_where_a_train_alike_scatters_it_is_asked_at_no_finer_tolerance(
     hammer_scene: gb.Scene, discs_scene: gb.Scene
 ) -> None:
     bench = bench_of(hammer_scene)
-    found, slower = (estimate(bench, hammer_scene.within, Effort(), likely) for likely in (True, False))
+    slower = estimate(bench, hammer_scene.within, Effort())
+    found = estimate(bench, hammer_scene.within, Effort(), slower)
     assert found.scattered and found.runs < slower.runs and len(found.members) == len(slower.members)
     assert (np.abs(found.values - slower.values) <= 2 * (found.errors + slower.errors)).all()
-    assert not estimate(bench_of(discs_scene), discs_scene.within, Effort(), likely=True).scattered
+    assert not estimate(bench_of(discs_scene), discs_scene.within, Effort(), slower).scattered
+
+
+def test_two_runs_are_a_mean_where_those_of_a_train_alike_hardly_scatter(hammer_scene: gb.Scene) -> None:
+    bench, within = bench_of(hammer_scene), 5.0
+    alike = estimate(bench, within, Effort())
+    found = estimate(bench, within, Effort(), alike)
+    assert len(alike.members) == 4 and len(found.members) == 2 and found.runs == 3
+    assert (found.errors / np.abs(found.values) >= alike.errors / np.abs(alike.values)).all()  # also where both agree
+    closer = estimate(bench, 0.3 * float(np.max(found.errors / np.abs(found.values))) / 0.05, Effort(), alike)
+    assert len(closer.members) == 4
 
 
 @pytest.mark.long
