@@ -161,7 +161,10 @@ def _shows(g: Generator, code: BatchCode) -> None:
         (Role.STATES, "outputs", shows[False]), (Role.UNWRAPPED_ANGLES, "unwrapped_outputs", shows[True]),
     ):  # fmt: skip
         made = code.function(name, those, vector=vector)
-        made.each = tuple((a.target, code.names([a.expr], vector=vector).reads) for a in those)
+        reads = (code.names([a.expr], vector=vector).reads for a in those)
+        made.each = tuple(
+            (a.target, read) for a, read in zip(those, reads, strict=True) if isinstance(a.target, Operand)
+        )
         g.keep("outputs", made)
 
 

@@ -129,6 +129,25 @@ def test_steps_are_watched_and_not_samples(scenes: dict[str, Any]) -> None:
 
 
 @pytest.mark.usefixtures("quiet")
+@pytest.mark.parametrize("method", ["dp8", "dp5", "rodas", "rk4"])
+@pytest.mark.parametrize("gone", ["mesh.backlash", "mesh.*"])
+def test_outputs_are_those_of_the_run_at_every_step(gone: str, method: str) -> None:
+    step = {"step": 2e-4} if method == "rk4" else {}
+    mesh = (
+        {"stiffness_variation": gb.Square(ripple=0.2, contact_ratio=1.4, driven_by=150.0)}
+        if gone == "mesh.backlash"
+        else {}
+    )
+    rig = _pair(1 + 5 * gb.sin(40 * gb.time), mesh=mesh).without(gone)
+    run = gb.simulate(rig, t_end=0.3, method=method, **step)
+    (row,) = [x for x in run.watched if x.effect == "mesh.backlash"]
+    force = run[row.output]
+    assert run.stats.events or not mesh
+    assert (row.low, row.high) == (force.min(), force.max())
+    assert row.times == np.count_nonzero(np.diff(np.sign(force[np.abs(force) > 1e-4 * np.abs(force).max()])))
+
+
+@pytest.mark.usefixtures("quiet")
 def test_a_watch_changes_nothing_of_the_run_and_can_be_switched_off() -> None:
     plain = _pair(5 * gb.sin(40 * gb.time)).without("mesh.backlash")
     watched, bare = gb.simulate(plain, t_end=0.3), gb.simulate(plain, t_end=0.3, watch=False)
