@@ -27,6 +27,7 @@ from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.regimes.carried import DIRECTIONS, Motion, carried, output_of, rising
 from gearblocks.analysis.regimes.diagram_store import DiagramStore, Told
 from gearblocks.analysis.regimes.regime import Asked, Regime
+from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats
 from gearblocks.analysis.study_progress import progress as shown
@@ -142,6 +143,7 @@ def bifurcation(
 
     points = np.full((2, len(asked), keep), np.nan)
     protocol = Asked(at(asked[0]), transient, keep, longest)
+    warn_if_stiff(protocol.seen, initial)
     identity = _identity(protocol, info.path, asked, output, labels, section, initial)
     kept = None if store is None else DiagramStore(store, identity)
     last = {} if kept is None else {point: told.last for point, told in kept.known.items()}

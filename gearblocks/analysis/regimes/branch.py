@@ -19,6 +19,7 @@ from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, wit
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.orbit_equation import OrbitEquation, Solved
 from gearblocks.analysis.regimes.response import response
+from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Change, Strobe, change_of, strobe
 from gearblocks.analysis.sections import Section
 from gearblocks.codegen.program import ParameterInfo
@@ -159,6 +160,8 @@ def continue_orbit(
 
     def at(value: float) -> Strobe:  # in SI, as derivatives by it are
         return strobe(model, section, {**(parameters or {}), info.path: f"{value!r} {info.unit or '1'}"}, initial, rtol)
+
+    warn_if_stiff(at(begin), initial)
 
     def change(seen: Strobe, unit: float) -> Change:
         return change_of(seen, section, number, unit)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, scaled
+from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Followed, Strobe, strobe
 from gearblocks.analysis.sections import Section
 from gearblocks.drivetrain import Drivetrain
@@ -83,6 +84,7 @@ def periodic_orbit(
     if periods < 1 or transient < 0:
         raise ParameterError(f"periods = {periods} must be >= 1 and transient = {transient} must be >= 0")
     seen = strobe(build(train), section, parameters, initial, rtol)
+    warn_if_stiff(seen, initial)
     seen, y = seen.settled(initial, transient)
     neutral = neutral_directions(seen, y)
     orbit = shoot(seen, y, periods, neutral)

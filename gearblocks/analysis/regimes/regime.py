@@ -27,6 +27,7 @@ from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.second_frequency import second_frequency
 from gearblocks.analysis.regimes.settling import Nearing, misses, nearing
+from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
@@ -93,6 +94,7 @@ def classify(
             f"and keep = {keep} > twice longest: every period must be seen to repeat"
         )
     seen = strobe(build(train), section, parameters, initial, rtol)
+    warn_if_stiff(seen, initial)
     found = [Asked(seen, transient, keep, longest, lasting).regime(y) for y in _starts(seen, initial, starts)]
     return found[0] if starts == 1 else _together(found)
 

@@ -37,7 +37,7 @@ _UNSEEN = 1e-6  # of the largest state with the same unit: steps of differences 
 _LEAST = 1e-3  # of what the states beside it carry into a state: less is their rounding, and no size of its own
 _ROUNDING = 1e-14  # of the sizes
 _TERMS = 6  # of the series of exp over an eighth of the fastest motion
-_REACH = 2.0  # a step times the fastest rate: there order 8 is stable and right to 1e-3 in each step
+REACH = 2.0  # a step times the fastest rate: there order 8 is stable and right to 1e-3 in each step
 GROWS = (Code.ERR_ESCAPE, Code.ERR_NAN_RATE)
 """How a run ends whose motion grows without bound."""
 
@@ -102,7 +102,7 @@ class Strobe:
         fastest = max(float(np.abs(np.linalg.eigvals(j)).max(initial=0.0)) for j in jacobians)
         driven = np.max([_driven(j, size, self.period) for j in jacobians], axis=0)
         scale = np.maximum(size, _LEAST * driven)
-        return replace(self, scale=np.where(scale > 0.0, scale, 1.0), max_step=_REACH / max(fastest, 1e-300))
+        return replace(self, scale=np.where(scale > 0.0, scale, 1.0), max_step=REACH / max(fastest, 1e-300))
 
     def settled(self, initial: Any, transient: int) -> tuple[Strobe, Array]:
         """The same, sized by the motion after so many periods, and its states there."""

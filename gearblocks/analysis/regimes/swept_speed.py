@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from gearblocks.analysis.parameter_study import Row
 from gearblocks.analysis.regimes.carried import DIRECTIONS, Jump, carried, output_of, rising
 from gearblocks.analysis.regimes.response import NONE, Response, response
+from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, Section, repeats, stroboscopic
 from gearblocks.analysis.study_progress import progress as shown
@@ -116,7 +117,7 @@ def speed_sweep(
     def at(value: float) -> Strobe:
         return strobe(model, where, {**(parameters or {}), info.path: value}, initial, rtol)
 
-    at(asked[0])  # errors by name
+    warn_if_stiff(at(asked[0]), initial)
     protocol = _Protocol(at, model.program.outputs[output].name, transient, keep, samples)
     found = np.full((2, len(asked), 4), np.nan)
     misses = np.full(found.shape[:2], np.nan)
