@@ -29,6 +29,7 @@ METHODS = ("auto", "dp8", "dp5", "rodas")
 TOLERANCES = tuple(10.0**-k for k in range(2, 11))
 STEPS = tuple(2.0**-k for k in range(7))
 _FOR_REFERENCE, _FOR_ONE = 1 / 8, 1 / 6  # of the budget: a run of the reference; a point of a line
+_UNANSWERED = 2.0  # budgets, while no point is as accurate as it is asked for
 _TOO_DEAR = 20.0  # times what as much accuracy costs elsewhere: such a line is not followed
 _STOPS = 3  # runs in a row that do not come to their end, after which a line is given up
 _FOR_TURNS, _TURNS = 1 / 20, 5  # of the budget: times of what is chosen, once more; how often
@@ -104,7 +105,7 @@ class _Runs:
     bench: Bench
     budget: float
     tell: Callable[[str], None]
-    began: float = field(default_factory=thread_time)
+    began: float = field(default_factory=lambda: thread_time())
     lines: list[_Line] = field(default_factory=list)
     _made: dict[Effort, Outcome] = field(default_factory=dict)
 
@@ -148,8 +149,16 @@ class _Runs:
         return tuple(replace(point, stats=least.get(point, point.stats)) for point in points)
 
     def affords(self, predicted: float) -> bool:
-        """Whether a point that takes so long [CPU s] is made."""
-        return predicted <= min(self.budget * _FOR_ONE, self.budget - (thread_time() - self.began))
+        """Whether a point that takes so long [CPU s] is made. Until one is as accurate as it is asked for, there is twice the
+        budget: on a machine that does other work the same runs take more CPU time."""
+        budget = self.budget if self.answered else _UNANSWERED * self.budget
+        return predicted <= min(budget * _FOR_ONE, budget - (thread_time() - self.began))
+
+    @property
+    def answered(self) -> bool:
+        """Whether some point is as accurate as it is asked for."""
+        within = self.bench.scene.within
+        return any(point.within(within, slice(None)) for line in self.lines for point in line.points)
 
     def after(self, point: Point) -> float:
         """Right-hand sides of a window as long that follows, relative to those of the window; NaN where the run does not go

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 import re
 from dataclasses import replace
@@ -160,6 +161,15 @@ def test_a_budget_that_the_reference_takes_leaves_no_runs(scene: gb.Scene) -> No
     assert not found.points and "the reference alone took the budget" in found.sentence
     with pytest.raises(gb.ParameterError, match="the reference alone took the budget"):
         found.cheapest()
+
+
+def test_a_machine_that_does_other_work_takes_no_answer(monkeypatch: pytest.MonkeyPatch) -> None:
+    ticks = itertools.count()  # three for each point, whatever it takes
+    monkeypatch.setattr(work_precision, "thread_time", lambda: float(next(ticks)))
+    scene = gb.Scene(swing(), t_end=3.0, quantity=gb.rms("disc.w"), within=1e-6)
+    found = gb.work_precision(scene, budget=30.0)  # ten points, of which none is as accurate
+    assert not any(point.within(scene.within, slice(None)) for point in found.points[:2])
+    assert found.cheapest().errors[0] <= 1e-6 and 10 < len(found.points) <= 20
 
 
 @pytest.mark.long
