@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -77,17 +78,43 @@ def test_set_s_answers_with_the_regimes_of_the_paper(model, rpm, label):
     assert found.settled and found.label == label, found.evidence
 
 
+def _relative(orbit):
+    """Points of an orbit in the coordinates of the paper: x = r (difference of angles), v = r (of speeds)."""
+    at = dict(zip(orbit.names, 0.025 * orbit.points.T, strict=True))
+    w = [at[f"{name}.w"] for name in ("input", "external", "internal", "output")]
+    x = [-at["shaft_in.coordinate"], at["spline.coordinate"], -at["shaft_out.coordinate"]]
+    return np.stack([*x, *(one - other for one, other in pairwise(w))], axis=1)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("rpm", [300, 348])
-def test_multipliers_and_exponents_of_set_s_are_those_of_the_reference(model, rpm):
+def test_the_orbits_that_shooting_finds_are_those_of_the_reference(model, rpm):
     known = json.loads((DATA / "spline_S.json").read_text())["periodic_orbits"][str(rpm)]
     speed = {"speed": gb.rpm(rpm)}
     orbit = gb.periodic_orbit(model, gb.stroboscopic("speed"), periods=known["period"], parameters=speed)
+    ours, true = _relative(orbit), np.array(known["points"], dtype=float)
+    first = int(np.abs(ours[0] - true).max(axis=1).argmin())
+    assert np.abs(ours - np.roll(true, -first, axis=0)).max() < 1e-9
     assert np.abs(orbit.multipliers) == pytest.approx(known["floquet_abs"], abs=1e-8)
     assert len(orbit.neutral) == 1 and orbit.neutral[0].startswith("rigid turn of input")
     found = gb.lyapunov(model, gb.stroboscopic("speed"), periods=200, rtol=1e-10, parameters=speed)
     logs = np.log(known["floquet_abs"]) / known["period"]
     assert found.per_period == pytest.approx(logs, abs=1e-6)
+
+
+@pytest.mark.long
+def test_the_orbit_of_period_5_at_360_rpm_closes_and_has_the_exponent_of_the_reference(model):
+    speed = {"speed": gb.rpm(360)}
+    orbit = gb.periodic_orbit(model, gb.stroboscopic("speed"), periods=5, parameters=speed)
+    assert orbit.periods == 5 and orbit.stable and orbit.closure < 1e-11
+    points = _relative(orbit)
+    assert np.abs(points[1:] - points[0]).max(axis=1).min() > 1e-3 * np.abs(points).max()  # no divisor of 5 periods
+    assert np.log(abs(orbit.multipliers[0])) / 5 == pytest.approx(-0.0934, abs=5e-5)  # as the page rounds it
+    found = gb.lyapunov(model, gb.stroboscopic("speed"), periods=200, rtol=1e-11, parameters=speed)
+    # the smallest multiplier, 3e-6, is known to five digits
+    logs = np.log(np.abs(orbit.multipliers)) / 5
+    assert found.per_period[:5] == pytest.approx(logs[:5], abs=1e-6)
+    assert found.per_period[5] == pytest.approx(logs[5], abs=1e-5)
 
 
 @pytest.mark.long
