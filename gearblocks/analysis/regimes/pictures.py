@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, style
+from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, prefixed, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,11 +51,14 @@ def draw_bifurcation(found: Diagram, path: str | os.PathLike[str] | None) -> Fig
     """A dot for each point, those of the way up and of the way down in two colours."""
     with style():
         figure, (axis,) = new_figure(path, size=(7.2, 4.2))
+        factor, unit = prefixed([found.points], found.of_unit)
         for i, words in reversed([*enumerate(found.directions)]):
             x = np.repeat(found.values, found.points.shape[2])
-            axis.plot(x, found.points[i].ravel(), ".", markersize=2.4 if i else 1.2, color=COLOURS[i], label=words)
+            axis.plot(
+                x, found.points[i].ravel() * factor, ".", markersize=2.4 if i else 1.2, color=COLOURS[i], label=words
+            )
         axis.set_xlabel(label(found.path, found.unit))
-        axis.set_ylabel(label(found.of, found.of_unit))
+        axis.set_ylabel(label(found.of, unit))
         if len(found.directions) > 1:
             axis.legend(markerscale=6)
         return finished(figure, path)

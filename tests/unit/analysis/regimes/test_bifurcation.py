@@ -59,7 +59,8 @@ def test_labels_say_which_protocol_they_come_from(oscillator: Oscillator, tmp_pa
     )
     full.to_csv(tmp_path / "diagram.csv")
     assert len((tmp_path / "diagram.csv").read_text().splitlines()) == 5
-    full.plot(tmp_path / "diagram.png")
+    figure = full.plot(tmp_path / "diagram.png")
+    assert figure.axes[0].get_ylabel() == "disc.phi in mrad"
     assert "2 values of force" in repr(full)
 
 
