@@ -83,6 +83,28 @@ def judged(found: Point) -> Point | None:
     return found.at(modes=modes).settled()
 
 
+def accelerated_by(point: Point) -> list[tuple[str, str]]:
+    """Friction between two shafts that slips ever more or less from this equilibrium on, and in words with what. Its torque
+    accelerates what is behind it, which an equilibrium takes for its steady motion."""
+    switched = point.sim.constraints().constraints
+    if not switched:
+        return []
+    constraints, found, units = point.constraints(), list[tuple[str, str]](), point.program.output_units
+    speeds = slice(point.program.n - constraints.rows.shape[1], point.program.n)
+    rates = point.rates()[speeds]
+    for i, constraint in enumerate(switched):
+        component, slip = point.program.switches[constraint.slip].component, float(constraints.slip[i])
+        torque = float(constraints.bounds[i, 2 if slip > 0 else 3])
+        slides = not constraint.is_stop and constraint.kind is ConstraintKind.FRICTION
+        slides = slides and not point.modes[constraint.active] and _is_engaged(point, constraint, constraints, i)
+        terms = np.abs(constraints.rows[i]) @ np.abs(point.y[speeds])
+        changes = np.abs(constraints.rows[i] @ rates) > _VIOLATION * (np.abs(constraints.rows[i]) @ np.abs(rates))
+        if slides and abs(slip) > _ROUNDING * terms and torque > 0.0 and changes and f"{component}.b.w" in units:
+            of = [units.get(f"{component}.{n}", "") for n in ("torque", "w_rel")]
+            found.append((component, f"{torque:.6g} {of[0]} at {abs(slip):.6g} {of[1]}"))
+    return found
+
+
 def _violation(constraints: ConstraintsAtPoint, i: int, kind: ConstraintKind) -> float:
     """By how much a constraint force exceeds its bounds, relative to the largest one around."""
     lower, upper = constraints.bounds[i, :2]

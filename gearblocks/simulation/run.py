@@ -152,10 +152,17 @@ class _Run:
 
     def balanced(self, begin: float, initial: Any) -> Array:
         """The state of the static equilibrium."""
-        from gearblocks.simulation.equilibrium import static_state
+        from gearblocks.simulation.equilibrium import static_point
+        from gearblocks.simulation.friction_at_rest import accelerated_by
 
         try:
-            return static_state(self.sim, self.model.program, begin, means=initial == "static")
+            point = static_point(self.sim, self.model.program, begin, means=initial == "static")
+            for name, words in accelerated_by(point):
+                warn(
+                    f"initial='{initial}': '{name}' slips with {words}, and what is beside it is accelerated from the start; "
+                    "start both of its sides at one speed, or with it released (capacity or engagement 0)"
+                )
+            return point.y
         except RuntimeError:
             raise self._stopped(Code(self.sim.report.code)) from self.sim.error
 

@@ -51,6 +51,7 @@ TWIST = Node("twist")
 SLIP = Node("slip")
 DISTANCE = Node("distance")
 TEMPERATURE = Node("temperature")
+PULSES = ("pulse", "trapezoid")
 LOCAL = ("time", "twist", "slip", "distance", "temperature")
 
 
@@ -86,6 +87,11 @@ def table(
 def thing(name: str, **fields: Any) -> Node:
     """An effect or another object of gearblocks, by its class and fields; "RatioLaw.ellipse" is a maker."""
     return Node("object", (name, tuple(fields.items())))
+
+
+def pulses(kind: str, size: float, **fields: Any) -> Node:
+    """gb.pulse or gb.trapezoid of numbers."""
+    return Node(kind, (size, tuple(fields.items())))
 
 
 def walk(x: Any) -> Iterator[Node]:
@@ -127,6 +133,8 @@ def to_gearblocks(x: Any, gb: Any) -> Any:
         more = {"extrapolate": beyond} if isinstance(beyond, str) else {"periodic": beyond}
         made = gb.Table(list(xs), list(ys), kind=kind, **more)
         return made if over is None else made(to_gearblocks(over, gb))
+    if x.op in PULSES:
+        return getattr(gb, x.op)(x.args[0], **dict(x.args[1]))
     if x.op == "object":
         target = gb
         for part in x.args[0].split("."):
@@ -182,6 +190,8 @@ def to_text(x: Any) -> str:
         more += f", extrapolate={beyond!r}" if isinstance(beyond, str) else ", periodic=True" if beyond else ""
         text = f"gb.Table({list(xs)!r}, {list(ys)!r}{more})"
         return text if over is None else f"{text}({to_text(over)})"
+    if x.op in PULSES:
+        return f"gb.{x.op}({to_text(x.args[0])}, {', '.join(f'{n}={v!r}' for n, v in x.args[1])})"
     if x.op == "object":
         return f"gb.{x.args[0]}({', '.join(f'{n}={to_text(v)}' for n, v in x.args[1])})"
     a = [to_text(v) for v in x.args]

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from tests.random.description import GROUND, Part, Train
-from tests.random.expressions import DISTANCE, TEMPERATURE, sense, table, thing
+from tests.random.expressions import DISTANCE, TEMPERATURE, pulses, sense, table, thing
 from tests.random.families import draw
 from tests.random.reference import NoEvidenceError, WrongStartError, reference_motion
 from tests.random.reference.switches import Switches, Table1
@@ -177,3 +177,40 @@ def test_a_clutch_beside_a_gear_of_ratio_one_that_loses_leaves_the_motion_open_a
         reference_motion(_train(*parts, lossy), T)
     motion = reference_motion(_train(*parts, Part("g", "IdealGear", (("ratio", 1.0),), ends)), T)
     assert motion.speeds[1] == pytest.approx(1.0 + T, abs=1e-10)
+
+
+def test_a_motion_behind_filters_and_by_an_acceleration_follows_the_closed_form():
+    drive = Part("d", "Acceleration", (("alpha", 3.0), ("w0", 2.0)), (("flange", "j"),))
+    motion = reference_motion(_train(_wheel(), drive), T)
+    assert motion.speeds[0] == pytest.approx(2.0 + 3.0 * T, abs=1e-12)
+    assert motion.angles[0] == pytest.approx(2.0 * T + 1.5 * T**2, abs=1e-10)
+    step = table((0.0, 1.0), (0.0, 5.0))  # a ramp: x = 5 (t - (1 - exp(-f t))/f)
+    drive = Part("d", "Speed", (("w", step), ("filter", 4.0)), (("flange", "j"),))
+    motion = reference_motion(_train(_wheel(), drive), T)
+    assert motion.speeds[0] == pytest.approx(5.0 * (T - (1 - np.exp(-4.0 * T)) / 4.0), abs=1e-10)
+    jump = table((0.0, 1e-9, 1.0), (0.0, 1.0, 1.0))  # critical: x = 1 - (1 + f t) exp(-f t)
+    drive = Part("d", "Angle", (("phi", jump), ("filter", 6.0)), (("flange", "j"),))
+    motion = reference_motion(_train(_wheel(), drive), T)
+    assert motion.angles[0] == pytest.approx(1 - (1 + 6 * T) * np.exp(-6 * T), abs=1e-7)
+
+
+def test_pulses_are_tables_over_time():
+    pulse = pulses("pulse", 2.0, period=0.5, duty=0.4, start=0.1, count=1)
+    drive = Part("t", "Torque", (("tau", pulse),), (("flange", "j"),))
+    motion = reference_motion(_train(_wheel(), drive), T)
+    assert motion.speeds[0] == pytest.approx(np.clip(T - 0.1, 0.0, 0.2), abs=1e-12)
+    shape = pulses("trapezoid", 2.0, rising=0.2, width=0.2, falling=0.2, period=1.0, offset=1.0)
+    drive = Part("t", "Torque", (("tau", shape),), (("flange", "j"),))
+    motion = reference_motion(_train(_wheel(), drive), T)
+    assert motion.speeds[0, -1] == pytest.approx((1.0 + 2.0 * 0.4) / 2.0, abs=1e-12)
+
+
+def test_a_bearing_that_drags_alone_slows_along_a_hyperbola():
+    drag = Part(
+        "b",
+        "BearingFriction",
+        (("windage", thing("FluidDrag", c=0.5)), ("churning", thing("FluidDrag", c=0.5))),
+        (("a", "j"),),
+    )
+    motion = reference_motion(_train(_wheel(J=1.0, w0=4.0), drag), T)
+    assert motion.speeds[0] == pytest.approx(4.0 / (1.0 + 4.0 * T), abs=1e-10)

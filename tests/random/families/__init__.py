@@ -1,4 +1,4 @@
-"""Fifteen families of random trains; each is a function from a seed to a description."""
+"""Sixteen families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from tests.random.families.contact import contact
 from tests.random.families.control import control
 from tests.random.families.feedback import feedback
 from tests.random.families.friction import friction
+from tests.random.families.given import given
 from tests.random.families.heat import heat
 from tests.random.families.inertialess import inertialess
 from tests.random.families.laws import laws
@@ -39,6 +40,7 @@ FAMILIES: dict[str, Callable[[int], Train]] = {
         starts,
         rounded,
         warm,
+        given,
     )
 }
 

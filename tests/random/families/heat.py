@@ -74,13 +74,13 @@ def _lossy_part(g: Growth, node: str) -> None:
         pieces.stop(g, node, GROUND)
 
 
-def warmed(g: Growth) -> None:
-    """Heat ports, masses and conductances for what has grown."""
+def warmed(g: Growth, kinds: tuple[str, ...] = WARMS) -> None:
+    """Heat ports, masses and conductances for what has grown, of these kinds."""
     d = g.d
     masses = [g.name("disc") for _ in range(d.randint(1, 3))]
     scale = max(sum(g.inertia[b] for b in g.rotating), 0.1) * d.log(0.3, 30.0)
     for i, p in enumerate(g.parts):
-        loses = p.block in WARMS and _loses(p)
+        loses = p.block in kinds and _loses(p)
         if not loses or d.chance(0.15):
             continue
         kind = d.random()

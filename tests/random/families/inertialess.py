@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from random import Random
 from typing import Any
 
 from tests.random.description import GROUND, Part, Train
@@ -55,14 +56,14 @@ def _gear_beside_friction(g: Growth, a: str) -> None:
         pieces.stop(g, node, b)
 
 
-def _compliant(g: Growth, a: str, b: str, size: float) -> None:
-    """A damped shaft or gap; stiff enough to be told from the bodies' motion."""
+def _compliant(g: Growth, a: str, b: str, size: float, clipped: bool = False) -> None:
+    """A damped shaft or gap; stiff enough to be told from the bodies' motion. clipped: the damping of the gap is."""
     d = g.d
     k = digits(size * d.log(10.0, 300.0))
     c = digits(k / d.log(30.0, 400.0))
     if d.chance(0.35):
         gap = d.log(0.001, 0.05)
-        g.add("lash", "Lash", {"a": a, "b": b}, k=k, c=c, half_gap=gap, contact_damping="always")
+        g.add("lash", "Lash", {"a": a, "b": b}, k=k, c=c, half_gap=gap, contact_damping=None if clipped else "always")
     else:
         g.add("shaft", "Shaft", {"a": a, "b": b}, k=k, c=c)
 
@@ -102,8 +103,9 @@ def _row_with_gear(g: Growth, a: str, b: str) -> None:
     where = d.choice(("before", "behind", "between"))
     one = g.bare() if where != "before" else a
     other = g.bare() if where != "behind" else b
+    clipped = Random(f"clipped {g.seed} {len(g.parts)}").random() < 0.5  # aside: all else is drawn as it was
     if one != a:
-        _compliant(g, a, one, size)
+        _compliant(g, a, one, size, clipped)
     eta = (d.even(0.6, 1.0), d.even(0.6, 1.0))
     tau = digits(size * d.log(0.01, 0.3))
     fields: dict[str, Any] = {"efficiency": eta}
@@ -113,7 +115,7 @@ def _row_with_gear(g: Growth, a: str, b: str) -> None:
         fields = {"loss_table": ((0.0, *eta, tau, tau), (d.log(1.0, 20.0), *(digits(0.9 * x) for x in eta), tau, tau))}
     g.add("lossy", "LossyGear", {"a": one, "b": other}, ratio=d.ratio(), **fields)
     if other != b:
-        _compliant(g, other, b, size)
+        _compliant(g, other, b, size, clipped)
 
 
 def with_inertias(train: Train, share: float) -> Train:

@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.random.description import GROUND, Part, Train
 from tests.random.expressions import Node, walk
-from tests.random.reference import contacts, further, heat, rubbing, vehicles
+from tests.random.reference import contacts, further, given, heat, rubbing, vehicles
 from tests.random.reference.composites import expanded
 from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse, is_zero
 from tests.random.reference.system import Array, Pair, System, Tie, derivative
@@ -18,7 +18,7 @@ from tests.random.reference.system import Array, Pair, System, Tie, derivative
 
 def system_of(train: Train) -> System:
     """The system of a train; NoEvidenceError for what it has no law for."""
-    train = expanded(train)
+    train = expanded(given.written(train))
     s = _composed(train, held=False)
     units = [d.row for d in s.dry] + [x.row for x in s.stops] + [r for g in s.lossy for r in (g.ra, g.rb)]
     if all(is_zero(row @ s.P) for row in units):
@@ -35,6 +35,7 @@ def _composed(train: Train, held: bool) -> System:
             raise NoEvidenceError(f"the block {part.block}")
         add(s, part)
     s.context.aux = [0.0] * len(s.aux)
+    given.begin(s)
     s.reduce()
     return s
 
@@ -216,8 +217,11 @@ def torque(s: System, p: Part) -> None:
 def speed(s: System, p: Part) -> None:
     """A prescribed speed or angle of a node that nothing else prescribes."""
     node = p.node("flange")
-    if p.node("housing") != GROUND or node in s.prescribed or p.field("filter") is not None:
+    if p.node("housing") != GROUND or node in s.prescribed:
         raise NoEvidenceError("this prescribed motion")
+    if given.follows_states(p):
+        given.motion(s, p)
+        return
     turned = p.block == "Angle"
     motion = p.field("phi" if turned else "w")
     if not s.held:
@@ -249,6 +253,21 @@ def speed_load(s: System, p: Part) -> None:
             heat.lost(s, p, lambda c: c2 * abs(c.V[i]) ** 3)
     if c0:
         rubbing.constant(s, row, c0, p.name)
+
+
+def bearing(s: System, p: Part) -> None:
+    """Friction of a bearing; one that drags alone holds nothing."""
+    if p.field("coulomb") is not None or p.field("torque") is not None:
+        rubbing.bearing(s, p)
+        return
+    row = relative(s, p, "a", "housing")
+    if p.field("viscous") is not None:
+        s.dampers.append((row, p.field("viscous")))
+        _rubs(s, p, row, p.field("viscous"))
+    c2 = rubbing.drag(p)
+    square(s, row, c2)
+    i = s.law_row(row)
+    heat.lost(s, p, lambda c: c2 * abs(c.V[i]) ** 3)
 
 
 def _drives(s: System, row: Array, coeffs: tuple[float, float, float], direction: str) -> None:
@@ -365,11 +384,11 @@ ELEMENTS: dict[str, Any] = {
     "Inertia": body, "Mass": body, "IdealGear": gear, "BeltDrive": gear, "IdealPlanetary": planetary,
     "Differential": differential, "Rack": rack, "UniversalJoint": joint, "NonCircularGear": noncircular, "Shaft": shaft,
     "Damper": damper, "Torque": torque, "Force": torque, "Speed": speed, "Angle": speed, "SpeedLoad": speed_load,
-    "Vehicle": vehicles.vehicle, "Chassis": vehicles.chassis, "Tyre": vehicles.tyre,
+    "Acceleration": speed, "Vehicle": vehicles.vehicle, "Chassis": vehicles.chassis, "Tyre": vehicles.tyre,
     "ThermalMass": nothing, "ThermalConductance": heat.conductance,
     "EddyCurrentBrake": eddy, "DCMotor": motor, "Governor": governor, "Engine": engine, "HardStop": stop,
     "Lash": contacts.lash, "GearMesh": contacts.mesh, "SplineCoupling": contacts.spline, "Fixed": nothing,
     "Clutch": rubbing.clutch, "Brake": rubbing.brake, "OneWayClutch": rubbing.clutch, "Freewheel": rubbing.freewheel,
-    "BearingFriction": rubbing.bearing, "DogClutch": rubbing.dog, "Synchronizer": rubbing.clutch,
+    "BearingFriction": bearing, "DogClutch": rubbing.dog, "Synchronizer": rubbing.clutch,
     "TorqueConverter": further.converter, "LossyGear": rubbing.lossy_gear, "Worm": rubbing.worm,
 }  # fmt: skip

@@ -168,18 +168,25 @@ def freewheel(s: System, p: Part) -> None:
     group(s, row, Member(p.name, 1.0, _always, lambda c, slip: 0.0, lambda c: (0.0, math.inf), one_way=True))
 
 
+def drag(p: Part) -> float:
+    """Torque over the square of the speed, of air and oil together."""
+    return float(sum(dict(p.field(n).args[1])["c"] for n in ("windage", "churning") if p.field(n) is not None))
+
+
 def bearing(s: System, p: Part) -> None:
-    """coulomb + rise exp(-(w/speed)^2) + viscous abs(w), or a table."""
+    """coulomb + rise exp(-(w/speed)^2) + viscous abs(w), or a table; and what drags with the square of the speed."""
     row = s.node(p.node("a")) - s.node(p.node("housing"))
-    peak = p.field("peak", 1.0)
+    peak, c2 = p.field("peak", 1.0), drag(p)
     if _is_law(p.field("torque")):
         law = _law(s, p.field("torque"))
-        group(s, row, Member(p.name, 1.0, _always, law, lambda c: (-peak * law(c, 0.0), peak * law(c, 0.0))))
+        dragged = lambda c, w: law(c, w) + c2 * w * w  # noqa: E731
+        group(s, row, Member(p.name, 1.0, _always, dragged, lambda c: (-peak * law(c, 0.0), peak * law(c, 0.0))))
         return
     if p.field("torque") is not None:
         xs, ys, kind, periodic, _ = p.field("torque").args
         table, rest = Table1(s.sw, xs, ys, kind, periodic), peak * value_at(xs, ys, kind, 0.0)
-        group(s, row, Member(p.name, 1.0, _always, lambda c, slip: table(abs(slip)), lambda c: (-rest, rest)))
+        dragged = lambda c, w: table(abs(w)) + c2 * w * w  # noqa: E731
+        group(s, row, Member(p.name, 1.0, _always, dragged, lambda c: (-rest, rest)))
         return
     coulomb, viscous = p.field("coulomb"), p.field("viscous", 0.0)
     stribeck = dict(p.field("stribeck").args[1]) if p.field("stribeck") is not None else {"rise": 0.0, "speed": 1.0}
@@ -187,7 +194,8 @@ def bearing(s: System, p: Part) -> None:
     held = peak * (coulomb + rise)
     group(
         s, row,
-        Member(p.name, 1.0, _always, lambda c, w: coulomb + rise * math.exp(-((w / speed) ** 2)) + viscous * abs(w),
+        Member(p.name, 1.0, _always,
+               lambda c, w: coulomb + rise * math.exp(-((w / speed) ** 2)) + viscous * abs(w) + c2 * w * w,
                lambda c: (-held, held)),
     )  # fmt: skip
 

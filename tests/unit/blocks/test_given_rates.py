@@ -13,6 +13,9 @@ t = gb.time
     ("value", "rate"),
     [
         (gb.sin(3 * t), 3 * gb.cos(3 * t)),
+        (1.57 * gb.cos(19.7 * t), -1.57 * 19.7 * gb.sin(19.7 * t)),
+        (gb.sin(640 * gb.pi * t), 640 * gb.pi * gb.cos(640 * gb.pi * t)),  # whole periods in every piece of 10 s
+        (t + 1e-3 * gb.sin(2e4 * t), 1 + 20 * gb.cos(2e4 * t)),
         (gb.Parameter("a", 2.0) * t**2, 2 * gb.Parameter("a", 2.0) * t),
         (5.0, 0.0),
         (
@@ -31,6 +34,11 @@ def test_a_rate_that_is_one_is_no_problem(value, rate):
 def test_a_rate_that_is_none_is_told_with_both_changes(rate):
     (problem,) = rate_problems("phi", gb.sin(3 * t), "w", rate)
     assert problem.startswith("w is not the rate of phi: up to t = 0.1 s phi changes by 0.29552")
+
+
+def test_a_rate_of_a_quick_vibration_is_told_where_it_can_be():
+    (problem,) = rate_problems("phi", gb.sin(500 * t), "w", 400 * gb.cos(500 * t))
+    assert problem.startswith("w is not the rate of phi: up to t = 0.0")
 
 
 def test_an_angle_refuses_a_speed_that_is_not_its_own():

@@ -74,7 +74,8 @@ def test_a_clutch_that_slides_lets_through_its_friction():
     one, two = rig.add("one", gb.Inertia(J=1.0, w0=5.0)), rig.add("two", gb.Inertia(J=2.0))
     rig.chain(one, rig.add("clutch", gb.Clutch(capacity=3.0)), two)
     rig.chain(two, rig.add("shaft", gb.Shaft(k=60.0, c=1.0)), rig.add("wall", gb.Fixed()))
-    run = gb.simulate(rig, t_end=0.2, initial="static")
+    with pytest.warns(gb.GearblocksWarning, match="'clutch' slips with 3 N m at 5 rad/s"):  # it brakes the one side
+        run = gb.simulate(rig, t_end=0.2, initial="static")
     assert run["shaft.torque"][0] == pytest.approx(3.0, rel=EXACT)
     assert run["shaft.twist"] == pytest.approx(-0.05, rel=1e-9)
 
@@ -169,3 +170,22 @@ def test_a_brake_on_a_single_body_has_nothing_to_solve():
     run = gb.simulate(rig, t_end=1.0, initial="static")
     assert abs(run["a.phi"]).max() == 0.0
     assert abs(run["brake.torque"] - 1.0).max() < 1e-12
+
+
+def test_a_static_start_behind_a_slipping_clutch_says_that_it_accelerates():
+    def rig(w0, **clutch):
+        rig = gb.Drivetrain("slips")
+        motor, load = rig.add("motor", gb.Inertia(J=0.1, w0=w0)), rig.add("load", gb.Inertia(J=0.3, w0=0.0))
+        far, clutch = rig.add("far", gb.Inertia(J=0.3, w0=0.0)), rig.add("clutch", gb.Clutch(**clutch))
+        rig.chain(
+            rig.add("drive", gb.Torque(tau=5.0)), motor, clutch, load, rig.add("shaft", gb.Shaft(k=500.0, c=1.0)), far
+        )
+        return rig
+
+    with pytest.warns(
+        gb.GearblocksWarning, match=r"'clutch' slips with 10 N m at 10 rad/s, .*accelerated from the start;"
+    ):
+        run = gb.simulate(rig(10.0, capacity=10.0), t_end=0.1, initial="static")
+    assert run["shaft.twist"] == pytest.approx(-0.01)  # wound up by the half of the 10 N m that goes on to the far body
+    gb.simulate(rig(0.0, capacity=10.0), t_end=0.1, initial="static")  # stuck
+    gb.simulate(rig(10.0, capacity=0.0), t_end=0.1, initial="static")  # released
