@@ -246,3 +246,41 @@ def test_a_gearbox_is_its_equations(rubbing: Any, method: str) -> None:
     _near(run, {"motor.phi": rows[:, 0], "load.phi": rows[:, 1], "motor.w": rows[:, 2], "load.w": rows[:, 3]}, 1e-7)
     assert len({e.component for e in run.events}) > 2
     assert run.energy.residual < 1e-8
+
+
+def _way(t: Any) -> tuple[Any, Any, Any]:
+    """KinematicPTP2: 3 rad at no more than 2 rad/s and 5 rad/s2, with its speed and acceleration."""
+    pieces = (
+        (0.4, 2.5 * t**2, 5 * t, 5.0),
+        (1.5, 2 * (t - 0.2), 2.0 + 0 * t, 0.0),
+        (1.9, 3 - 2.5 * (1.9 - t) ** 2, 5 * (1.9 - t), -5.0),
+    )
+    return tuple(
+        gb.piecewise(*((p[i], t < p[0]) for p in pieces), (rest, True))
+        if t is time
+        else np.select([t < p[0] for p in pieces], [p[i] for p in pieces], rest)
+        for i, rest in ((1, 3.0), (2, 0.0), (3, 0.0))
+    )
+
+
+@pytest.mark.parametrize("slides", [False, pytest.param(True, marks=pytest.mark.long)])
+@pytest.mark.parametrize("of", ["law", pytest.param("input", marks=pytest.mark.long)])
+def test_move_is_an_angle_with_its_speed_and_acceleration(of: str, slides: bool) -> None:
+    """An inertia that moves along the way draws another one behind a spring along."""
+    rig, t = gb.Drivetrain("Move"), np.linspace(0.0, 3.0, 61)
+    phi, w, alpha = _way(time) if of == "law" else (gb.Input(n) for n in ("phi", "w", "alpha"))
+    bodies = [gb.Mass(m=x) if slides else gb.Inertia(J=x) for x in (0.5, 0.8)]
+    one, spring, two = rig.add("one", bodies[0]), rig.add("spring", gb.Shaft(k=120.0, c=0.7)), rig.add("two", bodies[1])
+    rig.chain(rig.add("move", gb.Angle(phi=phi, w=w, alpha=alpha)), one, spring, two)
+    fed = {n: (lambda at, i=i: float(_way(at)[i])) for i, n in enumerate(("phi", "w", "alpha"))}
+    run = gb.simulate(rig, t=t, rtol=1e-9, inputs=fed if of == "input" else None)
+
+    def rates(at: float, y: Any) -> list[float]:
+        phi, w, _ = _way(at)
+        return [y[1], (-120 * (y[0] - phi) - 0.7 * (y[1] - w)) / 0.8]
+
+    found = solve_ivp(rates, (0.0, 3.0), [0.0, 0.0], t_eval=t, rtol=1e-11, atol=1e-12, max_step=1e-2, method="DOP853").y
+    for name, expected in zip(("s", "v") if slides else ("phi", "w"), found, strict=True):
+        assert run[f"two.{name}"] == pytest.approx(expected, abs=1e-8)
+    for name, expected in zip(("s", "v") if slides else ("phi", "w"), _way(t), strict=False):
+        assert run[f"one.{name}"] == pytest.approx(expected, abs=1e-12)
