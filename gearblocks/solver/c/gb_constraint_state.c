@@ -76,6 +76,17 @@ void gb_factor_active_set(gb_sim *sim, double *mode, const double *time_terms, c
     }
 }
 
+void gb_read_bounds(gb_sim *sim, const double *y) {
+    sim->model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, y, sim->constraints.bounds);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        if (sim->head->events.resting[j] >= 0) {
+            double *bounds = sim->constraints.bounds + 5 * sim->head->events.resting[j];
+            bounds[0] = -HUGE_VAL;
+            bounds[1] = HUGE_VAL;
+        }
+    }
+}
+
 const double *gb_modes_with_active_set(gb_sim *sim, const double *mode, const double *time_terms, const double *y) {
     const gb_model *model = sim->model;
     if (model->n_constraints == 0) {

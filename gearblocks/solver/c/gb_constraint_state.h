@@ -37,6 +37,9 @@ int gb_passes_a_stop(const gb_sim *sim, double unit);
 /* It can transmit a force at all. */
 int gb_is_engaged(const gb_sim *sim, int i);
 
+/* Bounds of the constraint forces in the present modes; none of a friction that rests on a limit (gb_rates.h). */
+void gb_read_bounds(gb_sim *sim, const double *y);
+
 /* Sums of the sizes of the coefficients of G, by which the rounding of slips is judged. */
 void gb_size_rows(gb_sim *sim);
 

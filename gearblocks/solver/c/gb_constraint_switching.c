@@ -305,7 +305,7 @@ static int decide(gb_sim *sim, int starting) {
             sim->mode[model->constraints[i].slip] = 0.0;
         }
     }
-    model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
+    gb_read_bounds(sim, sim->constraints.y);
     free_the_disengaged(sim);
     int code = strike_at_front(sim), impacted = 0;
     for (int i = 0; i < model->n_constraints; i++) {
@@ -315,7 +315,7 @@ static int decide(gb_sim *sim, int starting) {
     if (starting || impacted) {
         gb_modes_at_slips(sim, !starting);
     }
-    model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->constraints.bounds);
+    gb_read_bounds(sim, sim->constraints.y);
     memcpy(sim->constraints.other, force, sizeof(double) * (size_t)model->n_constraints);
     release_pending(sim);
     if (code == GB_DONE) {

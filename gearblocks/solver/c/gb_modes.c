@@ -30,6 +30,11 @@ void gb_mode_limits(gb_sim *sim) {
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
         sim->events.lo[sim->head->events.sliding[j]] = -HUGE_VAL;
         sim->events.hi[sim->head->events.sliding[j]] = HUGE_VAL;
+        if (sim->head->events.resting[j] >= 0) {
+            const int held = sim->model->constraints[sim->head->events.resting[j]].active;
+            sim->events.lo[held] = -HUGE_VAL;
+            sim->events.hi[held] = HUGE_VAL;
+        }
     }
     for (int i = 0; i < sim->model->n_event_functions && sim->head->events.held_until < HUGE_VAL; i++) {
         if (sim->events.held_side[i] != 0.0) {

@@ -22,7 +22,8 @@ static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
 /* Gives switch i its mode; with `log` that is an event. */
 void gb_set_mode(gb_sim *sim, int i, double mode, int log);
 
-/* The limits of all event functions in the present modes; those that are held or that slide have none. */
+/* The limits of all event functions in the present modes; those that are held or that slide have none, nor
+ * has a friction that rests on one (gb_rates.h). */
 void gb_mode_limits(gb_sim *sim);
 
 /* Limit `side` of event function i is not watched until `time`. */

@@ -2,6 +2,7 @@
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_evaluate.h"
+#include "gb_limit_rest.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_report.h"
@@ -55,6 +56,9 @@ static int depends(gb_sim *sim, int i, double below, double above, double larges
         return 0;
     }
     const int constraint = holding(sim, i);
+    if (constraint >= 0 && gb_rests(sim, constraint)) {
+        return 0;
+    }
     if (constraint >= 0) {
         const double mean = sim->constraints.peak[constraint], *bounds = sim->constraints.bounds + 5 * constraint;
         return gb_max(below, gb_max(mean - bounds[1], bounds[0] - mean)) > SAME * largest;
@@ -87,9 +91,10 @@ static int others_depend(gb_sim *sim, const double *y, const double *share) {
 }
 
 static void forget(gb_sim *sim, int i) {
-    int *sliding = sim->head->events.sliding, n = 0;
+    int *sliding = sim->head->events.sliding, *resting = sim->head->events.resting, n = 0;
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
         if (sliding[j] != i) {
+            resting[n] = resting[j];
             sliding[n++] = sliding[j];
         }
     }
@@ -122,6 +127,7 @@ int gb_slide(gb_sim *sim, int i) {
         return 0;
     }
     gb_set_mode(sim, i, below, 0);
+    head->events.resting[head->events.n_sliding] = -1;
     head->events.sliding[head->events.n_sliding++] = i;
     if (gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 || !shares_fit(head->events.n_sliding, share) ||
         others_depend(sim, sim->y, share)) {
@@ -312,7 +318,7 @@ int gb_stay_on_limit(gb_sim *sim, int i) {
 int gb_count_flip_or_slide(gb_sim *sim, int i) {
     const double before = sim->events.flips[i], since = sim->head->front.t1 - sim->events.flip_time[i];
     const int code = gb_count_flip(sim, i);
-    if (code != GB_DONE || (sim->events.flips[i] > 2.0 && gb_slide(sim, i))) {
+    if (code != GB_DONE || (sim->events.flips[i] > 2.0 && gb_slide(sim, i)) || gb_come_to_rest(sim, i, since)) {
         return code;
     }
     if (sim->events.flips[i] == 1.0 && since <= NO_STEP * sim->head->control.h_largest) {

@@ -1,0 +1,139 @@
+#include "gb_limit_rest.h"
+#include "gb_constraint_state.h"
+#include "gb_evaluate.h"
+#include "gb_modes.h"
+#include "gb_rates.h"
+#include "gb_report.h"
+#include "gb_time_terms.h"
+#include "gb_vector.h"
+
+static const double UNTOLD = 1e-3;      /* of the tolerance: the speeds of swings that are taken for none */
+static const double ROUNDINGS = 4096.0; /* of the coordinates: how far they swing */
+static const double SHORT = 1e-3;       /* of the largest step: flips that are looked at */
+
+/* The constraint is a friction that slides. */
+static int slides(const gb_sim *sim, int c) {
+    const gb_constraint *of = &sim->model->constraints[c];
+    return of->kind == GB_FRICTION && !gb_is_active(sim, c) && sim->mode[of->slip] != 0.0;
+}
+
+/* What it slides by is nothing in each of its speeds. */
+static int hardly_slides(gb_sim *sim, int c) {
+    const gb_model *model = sim->model;
+    const int first = model->n - model->n_speeds;
+    double *row = sim->sliding.rates, told = 0.0;
+    model->constraint_row(sim->par, sim->mode, sim->instant.time_terms, sim->y, c, 0, row);
+    for (int j = 0; j < model->n_speeds; j++) {
+        const double weight = sim->control.error_weight[first + j];
+        told += row[j] != 0.0 ? (weight > 0.0 ? fabs(row[j]) / weight : 0.0) : 0.0;
+    }
+    return fabs(sim->constraints.slip[c]) <= UNTOLD * told;
+}
+
+/* What its slip has moved since the last flip is a few roundings of each coordinate. */
+static int hardly_swings(gb_sim *sim, int c, double since) {
+    const gb_model *model = sim->model;
+    const gb_constraint *of = &model->constraints[c];
+    double *now = sim->sliding.rates, *stuck = now + model->n_total, *y = sim->sliding.state;
+    if (!(since <= SHORT * sim->head->control.h_largest)) {
+        return 0;
+    }
+    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
+    sim->sliding.mode[of->active] = 1.0;
+    sim->sliding.mode[of->slip] = 0.0;
+    memcpy(y, sim->y, sizeof(double) * (size_t)model->n_padded);
+    const double *terms = sim->instant.time_terms;
+    model->project_velocities(sim->par, gb_modes_with_active_set(sim, sim->sliding.mode, terms, y), terms, y);
+    model->rhs(sim->par, sim->mode, terms, sim->y, now);
+    model->rhs(sim->par, sim->mode, terms, y, stuck);
+    for (int j = 0; j < model->n - model->n_speeds; j++) {
+        if (since * fabs(now[j] - stuck[j]) > ROUNDINGS * DBL_EPSILON * fabs(sim->y[j])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Friction c, stuck, holds neither what is asked of it at `from` nor at `to`, and both drive it back against `slip`:
+ * some mean of them it holds. bounds: five numbers at each. */
+static int holds_between(double slip, const double force[2], double bounds[2][2]) {
+    const double sign = slip > 0.0 ? 1.0 : -1.0;
+    const double before = sign * force[0], now = sign * force[1];
+    const double held_before = sign > 0.0 ? -bounds[0][0] : bounds[0][1],
+                 held = sign > 0.0 ? bounds[1][1] : -bounds[1][0];
+    const double share = gb_share_within(force, bounds[0], bounds[1]);
+    return before < -held_before && now > held && share >= 0.0 && share <= 1.0;
+}
+
+/* Forces of friction c, as if stuck, and their bounds, in the modes at hand. */
+static double force_if_stuck(gb_sim *sim, double *mode, const double *terms, int c, double bounds[2]) {
+    const gb_model *model = sim->model;
+    const gb_constraint *of = &model->constraints[c];
+    const double active = mode[of->active], direction = mode[of->slip];
+    struct gb_constraints *own = &sim->constraints;
+    mode[of->active] = 1.0;
+    mode[of->slip] = 0.0;
+    const double *full = gb_modes_with_active_set(sim, mode, terms, sim->y);
+    model->force_bounds(sim->par, full, terms, sim->y, own->bounds);
+    model->constraint_forces(sim->par, full, terms, sim->y, own->lo, own->right);
+    memcpy(bounds, own->bounds + 5 * c, 2 * sizeof(double));
+    mode[of->active] = active;
+    mode[of->slip] = direction;
+    return own->lo[c];
+}
+
+/* Whether friction c and the switch i, which was in the mode `before`, rest together. */
+static int rest_together(gb_sim *sim, int i, double before, int c) {
+    double force[2], bounds[2][2], *other = sim->sliding.mode;
+    force[1] = force_if_stuck(sim, sim->mode, sim->instant.time_terms, c, bounds[1]);
+    memcpy(other, sim->mode, sizeof(double) * sim->unlocated.n_carried);
+    other[i] = before;
+    force[0] = force_if_stuck(sim, other, gb_terms_above(sim, &sim->instant, 0), c, bounds[0]);
+    return holds_between(sim->constraints.slip[c], force, bounds);
+}
+
+/* Both are at rest from here on. */
+static int rest(gb_sim *sim, int i, double before, int c) {
+    struct gb_event_state *events = &sim->head->events;
+    const gb_constraint *of = &sim->model->constraints[c];
+    const double below = gb_min(before, sim->mode[i]);
+    gb_log(sim, i, 0, sim->mode[i], below + 0.5);
+    gb_log(sim, of->slip, 0, sim->mode[of->slip], 0.0);
+    gb_set_mode(sim, i, below, 0);
+    gb_set_mode(sim, of->active, 1.0, 0);
+    gb_set_mode(sim, of->slip, 0.0, 0);
+    events->resting[events->n_sliding] = c;
+    events->sliding[events->n_sliding++] = i;
+    gb_factor_active_set(sim, sim->mode, sim->instant.time_terms, sim->y);
+    gb_project_velocities(sim, sim->instant.time_terms);
+    sim->events.armed[i] = sim->events.pending[i] = sim->events.flips[i] = 0.0;
+    sim->events.armed[of->slip] = sim->events.armed[of->active] = 0.0;
+    gb_rehash(sim);
+    gb_mode_limits(sim);
+    return 1;
+}
+
+int gb_come_to_rest(gb_sim *sim, int i, double since) {
+    const gb_model *model = sim->model;
+    const gb_head *head = sim->head;
+    if (model->n_constraints == 0 || sim->events.role[i] != GB_ORDINARY || i >= model->n_event_functions ||
+        head->events.n_sliding >= GB_SLIDING || gb_slides(sim, i) || !head->options.locate ||
+        gb_event_functions_now(sim) != GB_DONE || gb_time_terms_at(sim, head->front.t1) != GB_DONE) {
+        return 0;
+    }
+    gb_mode_limits(sim);
+    const double side =
+        fabs(sim->events.s[i] - sim->events.lo[i]) < fabs(sim->events.s[i] - sim->events.hi[i]) ? -1.0 : 1.0;
+    const double before = gb_far_side(sim, i, side);
+    if (fabs(sim->mode[i] - before) != 1.0) {
+        return 0;
+    }
+    gb_slips_now(sim);
+    for (int c = 0; c < model->n_constraints; c++) {
+        if (slides(sim, c) && (hardly_slides(sim, c) || hardly_swings(sim, c, since)) &&
+            rest_together(sim, i, before, c)) {
+            return rest(sim, i, before, c);
+        }
+    }
+    return 0;
+}
