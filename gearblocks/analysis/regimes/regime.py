@@ -212,14 +212,14 @@ class Asked:
             return Regime("quasi-periodic", (words, told), exponents=last)
         if regime := self._long_periodic(seen, neutral, drives, last):
             return regime
-        if last.per_period[0] + SIGMAS * last.errors_per_period[0] < 0.0:
+        if _negative(last):
             words = (
                 f"{told}, so that it is periodic, and no period up to {_BEYOND * max(self.longest, drives)} was found"
             )
             return Regime("unresolved", (words, "give a longer transient, or a larger longest"), exponents=last)
         nearest = float(misses(points, seen, neutral, self.longest).min())
         second = second_frequency(seen, points[-1], neutral, {*range(1, self.longest + 1), drives, 2 * drives}, after)
-        if second is None or nearest < _APART:
+        if second is None:
             words = f"points miss each other by {nearest:.1e} of their size at the least, and no second frequency shows"
             return Regime("unresolved", (words, told, "give a longer transient"), exponents=last)
         return Regime("quasi-periodic", (second, told), exponents=last)
@@ -267,9 +267,16 @@ def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:
 
 
 def _positive(found: LyapunovExponents) -> bool:
-    return bool(
-        found.per_period[0] > SIGMAS * found.errors_per_period[0] and found.per_period[0] * len(found.logs) > SIGMAS
-    )
+    return _exceeds(found.per_period[0], found)
+
+
+def _negative(found: LyapunovExponents) -> bool:
+    return _exceeds(-found.per_period[0], found)
+
+
+def _exceeds(value: float, found: LyapunovExponents) -> bool:
+    """Whether a growth per period is more than its error, and more than columns that turn come to over all of them."""
+    return bool(value > SIGMAS * found.errors_per_period[0] and value * len(found.logs) > SIGMAS)
 
 
 def _told(found: LyapunovExponents) -> str:

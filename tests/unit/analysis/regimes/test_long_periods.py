@@ -38,6 +38,15 @@ def test_a_torus_around_an_orbit_of_two_periods_is_one(oscillator: Oscillator) -
     assert "0.414214 times" in found.evidence[0] or "0.414213 times" in found.evidence[0]  # sqrt(2) - 1
 
 
+@pytest.mark.long
+def test_a_torus_next_to_a_resonance_is_one_though_it_nearly_repeats(oscillator: Oscillator) -> None:
+    # x'' + k x = cos t, undamped: its own vibration at 1.39967, next to 7/5, moves the points by 5e-4 in 5 periods
+    k = 1.39967**2
+    rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time), k=k, c=0.0, phi0=1 / (k - 1) + 0.05)
+    found = gb.classify(rig, SECTION)
+    assert found.label == "quasi-periodic" and "0.39967 times" in found.evidence[0], found.evidence
+
+
 def test_shooting_gives_up_where_it_comes_no_nearer(oscillator: Oscillator, monkeypatch: pytest.MonkeyPatch) -> None:
     # an oscillation of its own beside the drive: a torus, on which nothing repeats after 21 periods
     rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + (0.2 - 0.2 * x**2) * v, k=2.2, c=0.0, phi0=2.0)
