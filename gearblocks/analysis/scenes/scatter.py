@@ -1,6 +1,6 @@
 """Estimates of a scene's quantities with their errors: by two accuracies, or, where the motion scatters, by many runs.
 
-    settled:    value v(rtol/30, parameters (1 + 1e-9 xi)),  error 2 |v(rtol/30) - v(rtol)|
+    settled:    value v(rtol/30, parameters (1 + 1e-9 xi)),  error 2 |v(rtol/30) - v(rtol)|, at least 2 rtol/30 |v|
     scattered:  value mean of n runs, parameters (1 + 1e-6 xi),  error t(0.975, n - 1) s/sqrt(n) + 2 rtol |value| (Student 1908)
 
 xi: standard normal numbers, others in each run. The motion scatters where a change of 1e-9 and a finer tolerance together
@@ -108,7 +108,7 @@ def estimate(bench: Bench, within: float, effort: Effort, alike: Estimate | None
                 break
             settled = last and _close(fine.values, again.values, within)
         if settled:
-            errors = 2 * np.abs(fine.values - coarse.values)
+            errors = np.maximum(2 * np.abs(fine.values - coarse.values), 2 * finer.rtol * np.abs(fine.values))
             return Estimate(fine.values, errors, np.empty((0, len(errors))), effort, coarse.stats, made)
         effort, coarse = finer, fine
     return _scattered(bench, fine, effort, coarse.stats, made)

@@ -25,6 +25,16 @@ def test_the_error_of_a_settled_value_covers_a_run_at_a_tight_tolerance(discs_sc
     assert (found.errors <= 0.2 * discs_scene.within * np.abs(found.values)).all()
 
 
+def test_two_tolerances_that_agree_by_chance_are_known_to_the_finer_one(
+    discs_scene: gb.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench = bench_of(discs_scene)
+    same = bench.outcome(Effort())
+    monkeypatch.setattr(type(bench), "outcome", lambda *_: same)
+    found = estimate(bench, discs_scene.within, Effort())
+    assert found.errors == pytest.approx(2e-6 / 30 * np.abs(found.values))
+
+
 def test_a_tolerance_that_tells_too_little_is_made_finer(discs_scene: gb.Scene) -> None:
     found = estimate(bench_of(discs_scene), 1e-5, Effort("dp5", 1e-2))
     assert found.effort.rtol < 1e-2 and not found.scattered
