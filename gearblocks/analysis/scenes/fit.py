@@ -208,7 +208,8 @@ def _beside(trials: Trials, best: Trial, words: str, scene: Scene) -> Neighbour:
 
 def _choice(trials: Trials, best: Trial, judgement: Judgement) -> Effort:
     """The cheapest method and tolerance that use up no more than what the change leaves of the accuracy."""
-    left = trials.scene.within - float(np.max(np.abs(judgement.changes) + judgement.errors))
+    used = float(np.max(np.abs(judgement.changes) + judgement.errors))
+    left = (trials.scene.within - used) / (1 + used)  # errors of a run are relative to the fitted value
     if best.estimates[1].scattered or not left > 0:
         return best.estimates[1].effort
     assert best.bench is not None
