@@ -4,6 +4,7 @@
 #include "gb_event.h"
 #include "gb_follow.h"
 #include "gb_force_noise.h"
+#include "gb_limit_rest.h"
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_sliding.h"
@@ -278,7 +279,9 @@ static int hold_trapped(gb_sim *sim) {
     if (sim->events.role[last] == GB_CONSTRAINED) { /* constraints have a limit of flips of their own */
         return GB_DONE;
     }
-    return gb_slide(sim, last) ? GB_DONE : gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
+    return gb_slide(sim, last) || gb_come_to_rest(sim, last, 0.0)
+               ? GB_DONE
+               : gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
 }
 
 int gb_depart(gb_sim *sim, int before, int timed) {

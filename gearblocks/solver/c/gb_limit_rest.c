@@ -7,15 +7,11 @@
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-static const double UNTOLD = 1e-3;      /* of the tolerance: the speeds of swings that are taken for none */
-static const double ROUNDINGS = 4096.0; /* of the coordinates: how far they swing */
-static const double SHORT = 1e-3;       /* of the largest step: flips that are looked at */
-
-/* The constraint is a friction that slides. */
-static int slides(const gb_sim *sim, int c) {
-    const gb_constraint *of = &sim->model->constraints[c];
-    return of->kind == GB_FRICTION && !gb_is_active(sim, c) && sim->mode[of->slip] != 0.0;
-}
+static const double UNTOLD = 1e-3;                 /* of the tolerance: the speeds of swings that are taken for none */
+static const double MOMENT = 1e-3, NOTHING = 1e-9; /* how long coordinates follow test speeds; of their way */
+static const double NARROW = 1e-4;                 /* of the tolerance: swings that are taken for none */
+static const double ROUNDINGS = 4096.0;            /* of the coordinates: swings that are taken for none */
+static const double SHORT = 1e-3;                  /* of the largest step: flips that are looked at */
 
 /* What it slides by is nothing in each of its speeds. */
 static int hardly_slides(gb_sim *sim, int c) {
@@ -30,39 +26,77 @@ static int hardly_slides(gb_sim *sim, int c) {
     return fabs(sim->constraints.slip[c]) <= UNTOLD * told;
 }
 
-/* What its slip has moved since the last flip is a few roundings of each coordinate. */
-static int hardly_swings(gb_sim *sim, int c, double since) {
+/* The modes with friction c stuck, and its active set, in a place that the next call overwrites. */
+static const double *modes_if_stuck(gb_sim *sim, int c) {
+    const gb_constraint *of = &sim->model->constraints[c];
+    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
+    sim->sliding.mode[of->active] = 1.0;
+    sim->sliding.mode[of->slip] = 0.0;
+    return gb_modes_with_active_set(sim, sim->sliding.mode, sim->instant.time_terms, sim->y);
+}
+
+/* How far event function i moves while the coordinates follow the speeds in y for a moment. */
+static double way_of(gb_sim *sim, int i, double *y) {
     const gb_model *model = sim->model;
-    const gb_constraint *of = &model->constraints[c];
+    double *rate = sim->sliding.rates, *value = sim->sliding.functions;
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, y, rate);
+    memcpy(y + model->n - model->n_speeds, sim->y + model->n - model->n_speeds,
+           sizeof(double) * (size_t)model->n_speeds);
+    for (int j = 0; j < model->n - model->n_speeds; j++) {
+        y[j] += MOMENT * rate[j];
+    }
+    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, value);
+    return fabs(value[i] - sim->events.s[i]);
+}
+
+/* No motion in which friction c is stuck moves event function i: else what is stuck would leave its limit together. By
+ * speeds that know nothing of each other. */
+static int holds_limit(gb_sim *sim, int i, int c) {
+    const gb_model *model = sim->model;
+    double *y = sim->sliding.state, way[2];
+    for (int stuck = 0; stuck < 2; stuck++) {
+        memcpy(y, sim->y, sizeof(double) * (size_t)model->n_padded);
+        for (int j = 0; j < model->n_speeds; j++) {
+            y[model->n - model->n_speeds + j] = 1.0 + fmod((j + 1) * 0.6180339887498949, 1.0);
+        }
+        if (stuck) {
+            model->project_velocities(sim->par, modes_if_stuck(sim, c), sim->instant.time_terms, y);
+        }
+        way[stuck] = way_of(sim, i, y);
+    }
+    return way[1] <= NOTHING * way[0];
+}
+
+/* What its slip has moved since the last flip is nothing in each coordinate, or a few roundings. */
+static int hardly_swings(gb_sim *sim, int c, double since, double roundings) {
+    const gb_model *model = sim->model;
     double *now = sim->sliding.rates, *stuck = now + model->n_total, *y = sim->sliding.state;
     if (!(since <= SHORT * sim->head->control.h_largest)) {
         return 0;
     }
-    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
-    sim->sliding.mode[of->active] = 1.0;
-    sim->sliding.mode[of->slip] = 0.0;
-    memcpy(y, sim->y, sizeof(double) * (size_t)model->n_padded);
     const double *terms = sim->instant.time_terms;
-    model->project_velocities(sim->par, gb_modes_with_active_set(sim, sim->sliding.mode, terms, y), terms, y);
+    memcpy(y, sim->y, sizeof(double) * (size_t)model->n_padded);
+    model->project_velocities(sim->par, modes_if_stuck(sim, c), terms, y);
     model->rhs(sim->par, sim->mode, terms, sim->y, now);
     model->rhs(sim->par, sim->mode, terms, y, stuck);
     for (int j = 0; j < model->n - model->n_speeds; j++) {
-        if (since * fabs(now[j] - stuck[j]) > ROUNDINGS * DBL_EPSILON * fabs(sim->y[j])) {
+        const double width = since * fabs(now[j] - stuck[j]), weight = sim->control.error_weight[j];
+        const int told = !(weight > 0.0) || width * weight > NARROW;
+        if (told && width > roundings * DBL_EPSILON * fabs(sim->y[j])) {
             return 0;
         }
     }
     return 1;
 }
 
-/* Friction c, stuck, holds neither what is asked of it at `from` nor at `to`, and both drive it back against `slip`:
- * some mean of them it holds. bounds: five numbers at each. */
-static int holds_between(double slip, const double force[2], double bounds[2][2]) {
-    const double sign = slip > 0.0 ? 1.0 : -1.0;
-    const double before = sign * force[0], now = sign * force[1];
-    const double held_before = sign > 0.0 ? -bounds[0][0] : bounds[0][1],
-                 held = sign > 0.0 ? bounds[1][1] : -bounds[1][0];
+/* A friction, stuck, holds some mean of what is asked of it before and now; and neither of them, as they drive it to
+ * either side, now against the direction of its slip (0: it is known that every mode drives it back). bounds: two at
+ * each. */
+static int holds_between(double direction, const double force[2], double bounds[2][2]) {
     const double share = gb_share_within(force, bounds[0], bounds[1]);
-    return before < -held_before && now > held && share >= 0.0 && share <= 1.0;
+    const int up = force[0] < bounds[0][0] && force[1] > bounds[1][1],
+              down = force[0] > bounds[0][1] && force[1] < bounds[1][0];
+    return (direction == 0.0 || (direction > 0.0 ? up : down)) && share >= 0.0 && share <= 1.0;
 }
 
 /* Forces of friction c, as if stuck, and their bounds, in the modes at hand. */
@@ -82,14 +116,15 @@ static double force_if_stuck(gb_sim *sim, double *mode, const double *terms, int
     return own->lo[c];
 }
 
-/* Whether friction c and the switch i, which was in the mode `before`, rest together. */
-static int rest_together(gb_sim *sim, int i, double before, int c) {
+/* Whether friction c, which slips in a direction (0: any), and the switch i, which was in the mode `before`, rest
+ * together. */
+static int rest_together(gb_sim *sim, int i, double before, int c, double direction) {
     double force[2], bounds[2][2], *other = sim->sliding.mode;
     force[1] = force_if_stuck(sim, sim->mode, sim->instant.time_terms, c, bounds[1]);
     memcpy(other, sim->mode, sizeof(double) * sim->unlocated.n_carried);
     other[i] = before;
     force[0] = force_if_stuck(sim, other, gb_terms_above(sim, &sim->instant, 0), c, bounds[0]);
-    return holds_between(sim->constraints.slip[c], force, bounds);
+    return holds_between(direction, force, bounds);
 }
 
 /* Both are at rest from here on. */
@@ -128,10 +163,13 @@ int gb_come_to_rest(gb_sim *sim, int i, double since) {
     if (fabs(sim->mode[i] - before) != 1.0) {
         return 0;
     }
+    const double roundings = ldexp(ROUNDINGS, (int)sim->events.flips[i] - 1); /* see gb_limit_rounding */
     gb_slips_now(sim);
     for (int c = 0; c < model->n_constraints; c++) {
-        if (slides(sim, c) && (hardly_slides(sim, c) || hardly_swings(sim, c, since)) &&
-            rest_together(sim, i, before, c)) {
+        const double direction = since > 0.0 ? sim->mode[model->constraints[c].slip] : 0.0;
+        if (model->constraints[c].kind == GB_FRICTION && !gb_is_active(sim, c) && (since == 0.0 || direction != 0.0) &&
+            (hardly_slides(sim, c) || hardly_swings(sim, c, since, roundings)) &&
+            rest_together(sim, i, before, c, direction) && holds_limit(sim, i, c)) {
             return rest(sim, i, before, c);
         }
     }

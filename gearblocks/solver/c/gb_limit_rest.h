@@ -9,7 +9,7 @@
 #include "gb_internal.h"
 
 /* Switch i, which has just flipped at the front, and a friction that slides come to rest on its limit; else returns 0.
- * since: the time between its last two flips. */
+ * since: the time between its last two flips; 0: of one that every mode drives back at once. */
 int gb_come_to_rest(gb_sim *sim, int i, double since);
 
 #endif

@@ -318,13 +318,13 @@ int gb_stay_on_limit(gb_sim *sim, int i) {
 int gb_count_flip_or_slide(gb_sim *sim, int i) {
     const double before = sim->events.flips[i], since = sim->head->front.t1 - sim->events.flip_time[i];
     const int code = gb_count_flip(sim, i);
-    if (code != GB_DONE || (sim->events.flips[i] > 2.0 && gb_slide(sim, i)) || gb_come_to_rest(sim, i, since)) {
+    if (code != GB_DONE || (sim->events.flips[i] > 2.0 && gb_slide(sim, i))) {
         return code;
     }
     if (sim->events.flips[i] == 1.0 && since <= NO_STEP * sim->head->control.h_largest) {
         sim->events.flips[i] = gb_min(before + 1.0, IN_VAIN + 1.0);
     }
-    if (sim->events.flips[i] > IN_VAIN) {
+    if (!gb_come_to_rest(sim, i, since) && sim->events.flips[i] > IN_VAIN) {
         gb_stay_on_limit(sim, i);
     }
     return code;
