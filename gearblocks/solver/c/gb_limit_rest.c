@@ -59,12 +59,16 @@ static int holds_limit(gb_sim *sim, int i, int c) {
         for (int j = 0; j < model->n_speeds; j++) {
             y[model->n - model->n_speeds + j] = 1.0 + fmod((j + 1) * 0.6180339887498949, 1.0);
         }
+        model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, sim->sliding.functions);
+        if (sim->sliding.functions[i] != sim->events.s[i]) {
+            return 0; /* it reads speeds themselves */
+        }
         if (stuck) {
             model->project_velocities(sim->par, modes_if_stuck(sim, c), sim->instant.time_terms, y);
         }
         way[stuck] = way_of(sim, i, y);
     }
-    return way[1] <= NOTHING * way[0];
+    return way[0] > 0.0 && way[1] <= NOTHING * way[0];
 }
 
 /* What its slip has moved since the last flip is nothing in each coordinate, or a few roundings. */
