@@ -93,10 +93,10 @@ class Nomenclature:
         rows = []
         for name, entry in self.entries:
             value = (
-                f", {tex.value(entry.value)} {tex.unit(entry.unit)}".rstrip() if entry.value else _in_brackets(entry)
+                f", {tex.value(entry.value)}~{tex.unit(entry.unit)}".rstrip("~") if entry.value else _in_brackets(entry)
             )
             rows.append(rf"\item[${tex.name_latex(name)}$] {tex.prose(entry.words)}{value}")
-        return "\n".join([r"\begin{description}", *rows, r"\end{description}"])
+        return "\n".join([r"\begin{description}\itemsep0pt\parskip0pt", *rows, r"\end{description}"])
 
     def html(self) -> str:
         """A table."""
@@ -141,7 +141,7 @@ class Document:
 
     def latex(self) -> str:
         """Equations for a document with amsmath, as wide as a column of a two-column article; pages end between them."""
-        blocks = ["% needs amsmath\n\\begingroup\\allowdisplaybreaks"]
+        blocks = ["% needs amsmath\n\\begingroup\\allowdisplaybreaks\\raggedright"]
         for section in self.sections:
             shown = [rf"\paragraph{{{tex.prose(section.heading)}}}"]
             for group in _grouped(section.lines):

@@ -39,29 +39,26 @@ _SIGNS = {
     "neg": "-", "<=": r" \le ", ">=": r" \ge ", "≠": r" \ne ", "and": r"\ \text{and}\ ", "or": r"\ \text{or}\ ",
     "×": r" \times ", ",": r",\, ",
 }  # fmt: skip
-_SPECIAL = {
-    "_": r"\_",
-    "%": r"\%",
-    "&": r"\&",
-    "#": r"\#",
-    "$": r"\$",
-    "{": r"\{",
-    "}": r"\}",
-    "~": r"\sim ",
-    "^": r"\^{}",
-}
+_SPECIAL = {c: f"\\{c}" for c in "_%&#${}"}
+_IN_MATHEMATICS = {
+    "~": r"\sim ", "^": r"\wedge ", "\\": r"\backslash ", "≤": r"\le ", "≥": r"\ge ", "≠": r"\ne ", "×": r"\times ",
+    "·": r"\cdot ", "±": r"\pm ", "→": r"\to ", "√": r"\surd ", "²": "^2", "³": "^3", "°": r"^\circ ", "µ": r"\mu ",
+}  # fmt: skip
+_IN_PROSE = {c: f"${x.strip()}$" for c, x in [*_IN_MATHEMATICS.items(), *((c, c) for c in "|<>"), *_GREEK.items()]}
 _FENCES = {"⌊": r"\lfloor ", "⌋": r"\rfloor ", "|": "|", "(": "(", ")": ")"}
 _MACROS = {"sin", "cos", "tan", "arctan", "arcsin", "arccos", "exp", "ln", "tanh", "sinh", "cosh", "max", "min"}
 
 
 def word(words: str) -> str:
     """Words upright within mathematics."""
-    return r"\mathrm{" + "".join(_SPECIAL.get(c, "\\," if c == " " else c) for c in words) + "}"
+    special = _SPECIAL | _IN_MATHEMATICS | {" ": "\\,"}
+    return r"\mathrm{" + "".join(special.get(c, c) for c in words) + "}"
 
 
 def prose(words: str) -> str:
-    """Words as text."""
-    return "".join(_SPECIAL.get(c, (_GREEK.get(c) and f"${_GREEK[c]}$") or c) for c in words)
+    """Words as text; ^2 is an exponent."""
+    special = _SPECIAL | _IN_PROSE
+    return re.sub(r"\^(-?\d+)|.", lambda m: f"$^{{{m[1]}}}$" if m[1] else special.get(m[0], m[0]), words)
 
 
 def name_latex(name: Name) -> str:
@@ -111,17 +108,18 @@ def _called(node: Call) -> str:
 
 def _fenced(left: str, inner: str, right: str, nodes: tuple[Any, ...]) -> str:
     """Brackets, as tall as what stands in them where that is more than a line."""
-    if any(_is_tall(node) for node in nodes):
+    if any(map(is_tall, nodes)):
         return f"\\left{_FENCES[left]}{inner}\\right{_FENCES[right]}"
     return f"{_FENCES[left]}{inner}{_FENCES[right]}"
 
 
-def _is_tall(node: Any) -> bool:
+def is_tall(node: Any) -> bool:
+    """Whether brackets around a node are more than a line tall."""
     if isinstance(node, (Fraction, Cases, Root, Sum, Matrix)):
         return True
     parts = {Row: "items", Times: "factors", Call: "arguments"}.get(type(node))
     inner = getattr(node, parts) if parts else (node.inner,) if isinstance(node, Fence) else ()
-    return any(_is_tall(part) for part in inner)
+    return any(map(is_tall, inner))
 
 
 def _fraction(node: Fraction) -> str:
@@ -131,8 +129,9 @@ def _fraction(node: Fraction) -> str:
 
 def _cases(node: Cases) -> str:
     room = COLUMN - 7.0
-    beside = min(max(_when_width(c) for _, c in node.rows), 0.6 * room)
-    rows = [f"{_stacked(value, room - beside)}, & {_when(condition, beside)}" for value, condition in node.rows]
+    free = room - max(width(value) for value, _ in node.rows)
+    beside = min(max(_when_width(c) for _, c in node.rows), max(0.6 * room, free))
+    rows = [f"{_stacked(value, room - beside, ',')} & {_when(condition, beside)}" for value, condition in node.rows]
     return r"\begin{cases} " + r" \\ ".join(rows) + r" \end{cases}"
 
 
@@ -141,12 +140,12 @@ def _matrix(node: Matrix) -> str:
     return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
 
 
-def _stacked(node: Node, room: float) -> str:
-    """A cell of cases, in lines where it is wide."""
+def _stacked(node: Node, room: float, end: str = "") -> str:
+    """A cell of cases, in lines where it is wide; end: what stands behind it."""
     broken = lines([node], STYLE, room, room - 2)
     if len(broken) == 1:
-        return broken[0]
-    return r"\begin{aligned}[t]&" + r"\\ &\quad ".join(broken) + r"\end{aligned}"
+        return broken[0] + end
+    return r"\begin{aligned}[t]&" + r"\\ &\quad ".join(broken) + end + r"\end{aligned}"
 
 
 def _when(condition: Any, room: float = COLUMN) -> str:
@@ -221,7 +220,7 @@ _WIDTHS: dict[Any, Any] = {
     ),
 }
 
-STYLE = Style(latex, width, r"\,", _called)
+STYLE = Style(latex, width, r"\,", _called, times=r"\cdot ")
 
 
 def is_wide(left: Node, right: Node) -> bool:
@@ -310,8 +309,5 @@ def unit(text: str) -> str:
     """A unit such as N m s/rad."""
     if text in ("", "1"):
         return ""
-    return (
-        r"$\mathrm{"
-        + re.sub(r"(-?\d+)", r"^{\1}", text).replace("^{", "^{").replace(" ", r"\,").replace("%", r"\%")
-        + "}$"
-    )
+    micro = re.sub(r"\bu(?=[^\W\d])", r"\\mu ", word(text))
+    return "$" + re.sub(r"(?<=[^\W\d_])(-?\d+)", r"^{\1}", micro) + "$"

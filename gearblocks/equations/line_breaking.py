@@ -18,7 +18,7 @@ from gearblocks.equations.nodes import Call, Fence, Fraction, Node, Num, Op, Pow
 class Style:
     """shown: a node as text; width: of a node; joined: what stands between the factors of a product; called: the name of
     the function of a call, with its primes; whole: how wide fractions are that stay whole in a shorter line; stacked: whether
-    fractions have a bar."""
+    fractions have a bar; times: what a line begins with that goes on with a factor."""
 
     shown: Callable[[Node], str]
     width: Callable[[Node], float]
@@ -26,21 +26,24 @@ class Style:
     called: Callable[[Call], str]
     whole: float = 0.0
     stacked: bool = True
+    times: str = ""
 
 
 @final
 @dataclass(frozen=True, slots=True)
 class _Piece:
-    """Text that stays together, its width, whether a line may begin with it, and how deep inside a term that would be."""
+    """Text that stays together, its width, whether a line may begin with it, how deep inside a term that would be, and what
+    stands before it there."""
 
     text: str
     width: float
     begins: bool
     depth: int = 0
+    before: str = ""
 
 
-LINE, TOO_WIDE = 3.0, 1e6
-"""What a line costs, and what a letter does that stands beyond its end; a break costs its depth."""
+LINE, TOO_WIDE, _DOT = 3.0, 1e6, 1.0
+"""What a line costs, and what a letter does that stands beyond its end; a break costs its depth. How wide a dot is."""
 
 
 def lines(nodes: list[Node], style: Style, first: float, rest: float) -> list[str]:
@@ -56,13 +59,13 @@ def cost(nodes: list[Node], style: Style, first: float, rest: float) -> float:
 def _broken_up(nodes: list[Node], style: Style, first: float, rest: float) -> tuple[list[str], float]:
     """The lines that cost least, and what they cost."""
     pieces = [p for node in nodes for p in _pieces(node, style, min(first, rest), 0)]
-    groups = [_Piece("".join(p.text for p in g), sum(p.width for p in g), True, g[0].depth) for g in _groups(pieces)]
+    groups = [replace(g[0], text="".join(p.text for p in g), width=sum(p.width for p in g)) for g in _groups(pieces)]
     best: list[tuple[float, int]] = [(0.0, 0)]  # the least cost up to a piece, and minus where the last line begins
     for end in range(1, len(groups) + 1):
         found, used = (float("inf"), 0), 0.0
         for begin in range(end - 1, -1, -1):
             used += groups[begin].width
-            beyond = used - (rest if begin else first)
+            beyond = used + (begin and _DOT * bool(groups[begin].before)) - (rest if begin else first)
             if beyond > 0 and begin < end - 1 and found[0] < float("inf"):
                 break
             total = best[begin][0] + LINE + (groups[begin].depth if begin else 0) + max(beyond, 0.0) * TOO_WIDE
@@ -72,7 +75,7 @@ def _broken_up(nodes: list[Node], style: Style, first: float, rest: float) -> tu
     end = len(groups)
     while end:
         begin = -best[end][1]
-        broken.append("".join(g.text for g in groups[begin:end]))
+        broken.append((groups[begin].before if begin else "") + "".join(g.text for g in groups[begin:end]))
         end = begin
     return broken[::-1] or [""], best[-1][0]
 
@@ -103,7 +106,9 @@ def _pieces(node: Node, style: Style, limit: float, depth: int) -> Iterator[_Pie
     elif style.width(node) <= limit:
         yield _Piece(style.shown(node), style.width(node), begins=False)
     else:
-        yield from _broken(node, style, limit, depth)
+        broken = list(_broken(node, style, limit, depth))
+        whole = _Piece(style.shown(node), style.width(node), begins=False)
+        yield from broken if any(p.begins for p in broken) else [whole]
 
 
 def _broken(node: Node, style: Style, limit: float, depth: int) -> Iterator[_Piece]:
@@ -112,7 +117,8 @@ def _broken(node: Node, style: Style, limit: float, depth: int) -> Iterator[_Pie
         for i, factor in enumerate(node.factors):
             if i and style.joined:
                 yield _Piece(style.joined, 0.3, begins=False)
-            yield from _begun(_pieces(factor, style, limit, depth + 1), i > 0, depth + 1)
+            apart = i > 0 and not _is_short(node.factors[i - 1])
+            yield from _begun(_pieces(factor, style, limit, depth + 1), apart, depth + 1, style.times)
     elif isinstance(node, Sum):
         yield _Piece(style.shown(replace(node, inner=Words(""))), 2.5, begins=False)
         yield from _pieces(node.inner, style, limit, depth)
@@ -141,10 +147,15 @@ def _broken(node: Node, style: Style, limit: float, depth: int) -> Iterator[_Pie
         yield _Piece(style.shown(node), style.width(node), begins=False)
 
 
-def _begun(pieces: Iterator[_Piece], begins: bool, depth: int) -> Iterator[_Piece]:
-    """Pieces of which the first may begin a line."""
+def _is_short(node: Node) -> bool:
+    """Whether it is a number that no line ends with."""
+    return isinstance(node, Num) and len(node.digits) <= 2
+
+
+def _begun(pieces: Iterator[_Piece], begins: bool, depth: int, before: str = "") -> Iterator[_Piece]:
+    """Pieces of which the first may begin a line, behind what stands before it there."""
     for number, piece in enumerate(pieces):
-        yield replace(piece, begins=True, depth=depth) if begins and number == 0 else piece
+        yield replace(piece, begins=True, depth=depth, before=before) if begins and number == 0 else piece
 
 
 def _parted(node: Fraction, style: Style, limit: float) -> Node | None:

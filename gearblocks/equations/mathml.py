@@ -7,7 +7,7 @@ from typing import Any
 
 from markupsafe import escape
 
-from gearblocks.equations.latex import width
+from gearblocks.equations.latex import is_tall, width
 from gearblocks.equations.line_breaking import Style, lines
 from gearblocks.equations.names import Name
 from gearblocks.equations.nodes import (
@@ -34,8 +34,8 @@ _WORDS = ("and", "or")
 _THIN = '<mspace width="0.17em"></mspace>'
 
 
-def name_mathml(name: Name) -> str:
-    """A name: letter, dots above, number and part of the train at its foot."""
+def name_mathml(name: Name, exponent: str = "") -> str:
+    """A name: letter, dots above, number and part of the train at its foot, above that an exponent."""
     whole = name.letter
     change, plain = (whole[0], whole[1:]) if whole[0] in "Δ∂" and len(whole) > 1 else ("", whole)
     letter = f'<mi mathvariant="normal">{escape(plain)}</mi>' if name.is_word else f"<mi>{escape(plain)}</mi>"
@@ -44,8 +44,12 @@ def name_mathml(name: Name) -> str:
         letter = f"<mover>{letter}<mo>{above}</mo></mover>"
     foot = ",".join(x for x in (name.number, name.owner.replace("_", " ")) if x)
     tag = "mn" if foot.isdigit() else "mtext"
-    letter = f"<msub>{letter}<{tag}>{escape(foot)}</{tag}></msub>" if foot else letter
-    return f'<mrow><mo form="prefix">{change}</mo>{letter}</mrow>' if change else letter
+    if foot:
+        both, above = ("msubsup", exponent) if exponent else ("msub", "")
+        letter = f"<{both}>{letter}<{tag}>{escape(foot)}</{tag}>{above}</{both}>"
+    elif exponent:
+        letter = f"<msup>{letter}{exponent}</msup>"
+    return f'<mrow><mi mathvariant="normal">{change}</mi>{letter}</mrow>' if change else letter
 
 
 def mathml(node: Node) -> str:
@@ -72,15 +76,29 @@ def _fence(sign: str) -> str:
     return f'<mo stretchy="false">{sign}</mo>'
 
 
+def _fenced(left: str, inner: str, right: str, *nodes: Any) -> str:
+    """Brackets, as tall as what stands in them where that is more than a line; browsers stretch them for a foot too."""
+    if any(map(is_tall, nodes)):
+        return _row(f"<mo>{left}</mo>", inner, f"<mo>{right}</mo>")
+    return _row(_fence(left), inner, _fence(right))
+
+
 def _call(node: Call) -> str:
     arguments = "<mo>,</mo>".join(map(mathml, node.arguments))
-    return _row(_called(node), "<mo>(</mo>", arguments, "<mo>)</mo>")
+    return _row(_called(node), _fenced("(", arguments, ")", *node.arguments))
 
 
 def _called(node: Call) -> str:
     function = node.function
     name = f"<mi>{escape(function.text)}</mi>" if isinstance(function, Words) else mathml(function)
     return name + (f"<mo>{'′' * node.primes}</mo>" if node.primes else "")
+
+
+def _power(node: Power) -> str:
+    exponent = _row(mathml(node.exponent))
+    if isinstance(node.base, Sym) and node.base.name.letter[0] not in "Δ∂":
+        return name_mathml(node.base.name, exponent)
+    return f"<msup>{_row(mathml(node.base))}{exponent}</msup>"
 
 
 def _cell(inner: str) -> str:
@@ -118,9 +136,9 @@ _SHOWN: dict[Any, Any] = {
     Row: lambda node: _row(*map(mathml, node.items)),
     Times: lambda node: _row(_THIN.join(map(mathml, node.factors))),
     Fraction: lambda node: f"<mfrac>{_row(mathml(node.top))}{_row(mathml(node.bottom))}</mfrac>",
-    Power: lambda node: f"<msup>{_row(mathml(node.base))}{_row(mathml(node.exponent))}</msup>",
+    Power: _power,
     Root: lambda node: f"<msqrt>{mathml(node.inner)}</msqrt>",
-    Fence: lambda node: _row(f"<mo>{node.left}</mo>", mathml(node.inner), f"<mo>{node.right}</mo>"),
+    Fence: lambda node: _fenced(node.left, mathml(node.inner), node.right, node.inner),
     Call: _call,
     Cases: _cases,
     Sum: lambda node: _row(

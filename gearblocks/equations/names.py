@@ -20,7 +20,7 @@ GREEK = {
 _FIELDS = {
     "half_gap": "b", "exponent": "n", "damping_ratio": "ζ", "radius": "r", "wheel_radius": "r", "driven_by": "ω", "phase": "ϑ",
     "teeth": "z", "module": "m", "pressure_angle": "α", "helix_angle": "β", "r_base": "r", "coeffs": "c",
-    "ripple": "ε", "ratio": "i", "cos": "a", "sin": "a", "mass": "m", "capacity": "C", "profile_shift": "X",
+    "ripple": "δ", "ratio": "i", "cos": "a", "sin": "a", "mass": "m", "capacity": "C", "profile_shift": "X",
     "face_width": "B", "efficiency": "η", "stiffness": "k", "friction": "M", "restitution": "e", "addendum": "h",
     "gain": "K", "throttle": "u", "sliding": "C", "w": "ω", "law": "F", "stiffness_variation": "k", "transmission_error": "e",
     "torque_map": "T",
@@ -36,7 +36,10 @@ _DEFINED = {
     "side_N": ("sgn N", ""), "g_f": ("g", "f"), "p_b": ("p", "b"), "two_pairs": ("n", "2"),
     "epsilon_alpha": ("ε", "α"),
 }  # fmt: skip
-_IN_EFFECT = {"transmission_error": "e", "friction": "f", "slip": "s", "tyre": "s", "first": "a", "second": "b"}
+_IN_EFFECT = {
+    "transmission_error": "e", "friction": "f", "slip": "s", "tyre": "s", "first": "a", "second": "b", "windage": "w",
+    "churning": "o",
+}  # fmt: skip
 
 
 INDEX = "i"

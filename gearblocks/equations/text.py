@@ -105,7 +105,7 @@ _SHOWN: dict[Any, Any] = {
     Matrix: _matrix,
 }
 
-STYLE = Style(text, lambda node: float(len(text(node))), " ", _called, stacked=False)
+STYLE = Style(text, lambda node: float(len(text(node))), " ", _called, stacked=False, times="· ")
 
 
 def equation_lines(left: Node | None, right: Node, width: int) -> list[str]:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import mpmath as mp
 
 TOKENS = re.compile(r"\\[a-zA-Z]+|\\.|\d+(?:\.\d+)?|[^\s]")
-SKIPPED = {r"\,", r"\ ", r"\quad", r"\left", r"\right", "&"}
+SKIPPED = {r"\,", r"\ ", r"\quad", r"\left", r"\right", r"\cdot", "&"}
 
 
 def read(latex):

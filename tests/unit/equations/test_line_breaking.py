@@ -43,7 +43,7 @@ def _fits(groups, n, room):
 def test_a_line_ends_before_an_outer_sign_rather_than_inside_brackets():
     inner = Times((_wide(6), Fence("(", ")", _sum(_wide(6, "y"), _wide(6, "z")))))
     assert lines([_sum(_wide(14, "a"), inner)], TEXT, 30, 30) == ["a" * 14, " + xxxxxx (yyyyyy + zzzzzz)"]
-    assert lines([inner], TEXT, 20, 20) == ["xxxxxx ", "(yyyyyy + zzzzzz)"]
+    assert lines([inner], TEXT, 20, 20) == ["xxxxxx ", "· (yyyyyy + zzzzzz)"]
     assert lines([inner], TEXT, 16, 16) == ["xxxxxx (yyyyyy", " + zzzzzz)"]
 
 

@@ -2,8 +2,6 @@
 
 import math
 import re
-import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -334,21 +332,6 @@ def test_functions_keep_their_name_and_primes_where_they_are_broken():
     assert aligned(left, Call(Sym(Name("f")), (terms,), 2)).startswith("y &= {f}''(x_")
     assert aligned(left, Call(Words("sin"), (terms,))).startswith(r"y &= \sin(x_")
     assert equation_lines(left, Call(Sym(Name("f")), (terms,), 1), 40)[0].startswith("y = f'(x0_gearbox")
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", [n for n in MODELS if not n.startswith("stiff_chain")])
-def test_latex_fits_the_column_of_an_article(name, tmp_path):
-    if shutil.which("pdflatex") is None:
-        pytest.skip("texlive is not here")
-    head = "\\documentclass[10pt,twocolumn]{article}\n\\usepackage{amsmath}\n\\begin{document}\n"
-    (tmp_path / "it.tex").write_text(f"{head}{scripts.make(name).equations().latex()}\n\\end{{document}}\n")
-    command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "it.tex"]
-    said = subprocess.run(command, cwd=tmp_path, capture_output=True, check=False)
-    log = said.stdout.decode(errors="replace")
-    assert said.returncode == 0, log[-2000:]
-    wide = [float(x) for x in re.findall(r"Overfull \\hbox \(([\d.]+)pt", log)]
-    assert max(wide, default=0.0) <= 5.0
 
 
 def test_rounding_is_no_digit_and_numbers_of_a_lead_are_taken_together():

@@ -91,7 +91,7 @@ def test_displays_of_a_notebook_fit_pages():
 @pytest.mark.long
 def test_pages_end_between_the_equations_of_an_article_and_not_within_them():
     latex = planets("waves").equations().latex()
-    assert latex.split("\n")[1] == r"\begingroup\allowdisplaybreaks"
+    assert latex.split("\n")[1] == r"\begingroup\allowdisplaybreaks\raggedright"
     assert latex.endswith(r"\endgroup")
     assert r"\notag \\*" in latex
     assert "\\notag \\\\\n" not in latex
