@@ -28,6 +28,7 @@ from gearblocks.simulation.arguments import (
     method_words,
     parameter_vector,
     picked_outputs,
+    resolve,
     sample_times,
     set_inputs,
     start_state,
@@ -51,6 +52,8 @@ from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.record import Record
 from gearblocks.solver.structures import Array, Code, Counters, Options
+from gearblocks.train.graph import blocks_of
+from gearblocks.train.plausibility import warn_of_changed
 
 
 def run_model(
@@ -75,6 +78,7 @@ def run_model(
     pick = picked_outputs(program, outputs)
     with model.library.reopen() as sim:
         values = sim.parameters[:] = parameter_vector(model, parameters or {}, initial)
+        _doubt(model, parameters or {})
         check_jacobian(options, program, sim.has_jacobian)
         set_inputs(sim, program, inputs)
         if is_rolling(initial):
@@ -369,3 +373,11 @@ def stats_of(counters: Counters, cpu: float, method: str, why: str) -> Stats:
 def _final_state(program: Program, row: Array) -> FinalState:
     end = 1 + program.n_total
     return FinalState(float(row[0]), row[1:end].copy(), row[end : end + len(program.switches)].copy(), program.key)
+
+
+def _doubt(model: Model, parameters: Mapping[str, float | str]) -> None:
+    """Warns of bare numbers in SI that are more than their field expects."""
+    for name, value in parameters.items():
+        info = model.program.parameters[resolve(name, model.program.parameter_numbers, "parameter")]
+        if model.tree is not None and not info.given_in:
+            warn_of_changed(blocks_of(model.tree), info.path, value)

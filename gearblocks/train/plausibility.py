@@ -6,10 +6,11 @@ Knows nothing of bounds, which refuse.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from gearblocks.errors import warn
 from gearblocks.language.block import Block
+from gearblocks.language.fields import Field
 from gearblocks.language.signals import constant_value
 from gearblocks.train.values import numbers_of
 
@@ -18,14 +19,30 @@ def unusual(path: str, block: Block, *, bare: bool = False) -> Iterator[str]:
     """Numbers above what their field expects; bare: of those that are given without a unit alone."""
     for name, value, spec in numbers_of(block, f"{path}."):
         number = abs(constant_value(value)) if spec.usual is not None else math.nan
-        if spec.usual is not None and number > spec.usual and not (bare and type(value) not in (int, float)):
-            milli = (
-                f'; {number:g} mm is written as {name.rpartition(".")[2]}="{number:g} mm"' if spec.unit == "m" else ""
-            )
-            yield f"{name} = {number:g} {spec.unit} ({spec.words}) is implausible, more than {spec.usual:g} {spec.unit}{milli}"
+        if not (bare and type(value) not in (int, float)):
+            yield from _doubt(name, number, spec, f'{name.rpartition(".")[2]}="{number:g} mm"')
+
+
+def _doubt(name: str, number: float, spec: Field, meant: str) -> Iterator[str]:
+    """What is said of a number above what its field expects; meant: how it is written where millimetres were meant."""
+    if spec.usual is not None and number > spec.usual:
+        milli = f"; {number:g} mm is written as {meant}" if spec.unit == "m" else ""
+        yield f"{name} = {number:g} {spec.unit} ({spec.words}) is implausible, more than {spec.usual:g} {spec.unit}{milli}"
 
 
 def warn_of_doubts(path: str, part: object) -> None:
     """A GearblocksWarning for every unusual value of a part that is a block."""
     for doubt in unusual(path, part, bare=True) if isinstance(part, Block) else ():
         warn(f"{type(part).__name__} {doubt}")
+
+
+def warn_of_changed(blocks: Iterable[tuple[str, Block]], path: str, value: object) -> None:
+    """A GearblocksWarning where a parameter of a run, given without a unit, is more than its field expects."""
+    if type(value) not in (int, float):
+        return
+    for component, block in blocks:
+        for name, _, spec in numbers_of(block, f"{component}.") if path.startswith(f"{component}.") else ():
+            if name == path:
+                number = abs(float(value))  # type: ignore[arg-type]
+                for doubt in _doubt(path, number, spec, f'parameters={{"{path}": "{number:g} mm"}}'):
+                    warn(f"{type(block).__name__} {doubt}")
