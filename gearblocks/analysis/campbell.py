@@ -16,6 +16,7 @@ from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import has_unit, number_in_si
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
@@ -52,20 +53,22 @@ class Campbell(metaclass=Tidy):
 
     def __repr__(self) -> str:
         counts = f"{len(self.speeds)} speeds, {self.frequencies.shape[1]} modes, {len(self.orders)} orders"
-        return f"<Campbell of '{self.name}' over {self.speed}: {counts}, {len(self.crossings)} crossings>"
+        return singular(f"<Campbell of '{self.name}' over {self.speed}: {counts}, {len(self.crossings)} crossings>")
 
     def _repr_html_(self) -> str:
         rows = [
             (f"{c.speed * 30 / np.pi:.6g}", f"{c.frequency / (2 * np.pi):.6g}", f"{c.mode}", c.order)
             for c in self.crossings
         ]
-        title = f"{self.name}: {self.frequencies.shape[1]} modes over {self.speed}, {len(rows)} crossings"
+        title = singular(f"{self.name}: {self.frequencies.shape[1]} modes over {self.speed}, {len(rows)} crossings")
         orders = ", ".join(f"{name} ({order:.4g})" for name, order in self.orders.items())
         head = ("rpm", "Hz", "mode", "order")
         return small_table(title, rows, head=head, numbers=(0, 1, 2), notes=[f"orders: {orders}"] if orders else ())
 
     def __str__(self) -> str:
-        head = f"{self.name}: {self.frequencies.shape[1]} modes over {self.speed}, {len(self.crossings)} crossings"
+        head = singular(
+            f"{self.name}: {self.frequencies.shape[1]} modes over {self.speed}, {len(self.crossings)} crossings"
+        )
         rows = [
             f"  {c.speed * 30 / np.pi:10.6g} rpm  {c.frequency / (2 * np.pi):10.6g} Hz  mode {c.mode}  {c.order}"
             for c in self.crossings

@@ -23,6 +23,7 @@ from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.language.tidy import Tidy
+from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
@@ -83,7 +84,7 @@ class Linearization(metaclass=Tidy):
 
     def __repr__(self) -> str:
         counts = f"{len(self.states)} states, {len(self.inputs)} inputs, {len(self.outputs)} outputs"
-        return f"<Linearization of {self.words.partition(':')[0]!r} at t = {self.t:g} s: {counts}>"
+        return singular(f"<Linearization of {self.words.partition(':')[0]!r} at t = {self.t:g} s: {counts}>")
 
     def document(self) -> Document:
         """The matrices as printed equations: str(), latex(), html() and mathml() of it."""
@@ -182,7 +183,7 @@ def _words(point: Point, states: Sequence[str]) -> str:
     contacts += [f"{point.program.switches[x.slip].component}: {x.words(point.modes)}" for x in shown]
     means = ", excitations at their means" if point.means else ""
     sides = f"; {', '.join(contacts)}" if contacts else ""
-    return f"{point.program.name}: {len(states)} states at t = {point.t:g} s{means}{sides}"
+    return singular(f"{point.program.name}: {len(states)} states at t = {point.t:g} s{means}{sides}")
 
 
 def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[int]]:

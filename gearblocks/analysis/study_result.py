@@ -18,6 +18,7 @@ from gearblocks.errors import StorageError, UnknownNameError, did_you_mean, miss
 from gearblocks.files import reason, replacing, write_bytes
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 from gearblocks.train.summary import span_text
 
 if TYPE_CHECKING:
@@ -119,7 +120,7 @@ class Study(metaclass=Tidy):
 
     def _title(self) -> str:
         size = " x ".join(map(str, self.shape)) if self.shape else f"{len(self.points)} cases"
-        return f"study of '{self.meta.get('train', '')}': {size} over {', '.join(self.paths)}"
+        return singular(f"study of '{self.meta.get('train', '')}': {size} over {', '.join(self.paths)}")
 
     def _spans(self) -> list[tuple[str, str]]:
         """Each quantity and the range of its values."""
@@ -127,19 +128,29 @@ class Study(metaclass=Tidy):
         for name, unit in zip(self.names, self.name_units, strict=True):
             found = self[name]
             known = found[np.isfinite(found)]
-            span = span_text(known.min(), known.max()) if known.size else "no value"
+            span = span_text(known.min(), known.max(), self._size(name)) if known.size else "no value"
             each = found.reshape(len(self.points), -1)
             none = int((np.isnan(each).all(axis=1) & self.done & ~self.failed).sum()) if known.size else 0
             said = f", none at {none} of {len(self.points)} points" if none else ""
             rows.append((name, f"{span}{'' if unit in ('', '1') else ' ' + unit}{said}"))
         return rows
 
+    def _size(self, name: str) -> float:
+        """The largest value that a quantity and others of the same output have: a trough of 1e-23 beside a peak of 100 is 0."""
+        units, of = dict(zip(self.names, self.name_units, strict=True)), name.partition("(")[2]
+        alike = [
+            self[x] for x in self.names if x == name or (of and of == x.partition("(")[2] and units[x] == units[name])
+        ]
+        return max((float(np.abs(x[np.isfinite(x)]).max()) for x in alike if np.isfinite(x).any()), default=0.0)
+
     def _notes(self) -> list[str]:
         """What was stopped, failed, or is in doubt."""
         lines = [f"stopped early: {int(self.done.sum())} of {len(self.points)} points are done"] * (not self.complete)
         for what, found in (("failed", self.failures), ("in doubt", self.doubts)):
             if found:
-                lines.append(f"{len(found)} points {what}; first {_words(found[0].point)}: {found[0].message}")
+                lines.append(
+                    singular(f"{len(found)} points {what}; first {_words(found[0].point)}: {found[0].message}")
+                )
         return lines
 
     def _repr_html_(self) -> str:
@@ -159,7 +170,9 @@ class Study(metaclass=Tidy):
     def _table(self) -> list[str]:
         """Lines of the first and last points, as many columns as fit."""
         single = [
-            (n, u, self[n].ravel()) for n, u, w in zip(self.names, self.name_units, self.widths, strict=True) if w == 1
+            (n, u, np.where(abs(self[n].ravel()) < 1e-12 * self._size(n), 0.0, self[n].ravel()))
+            for n, u, w in zip(self.names, self.name_units, self.widths, strict=True)
+            if w == 1
         ]
         columns = [*zip(self.paths, self.units, self.points.T, strict=True), *single]
         n = len(self.points)

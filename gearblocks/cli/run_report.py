@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from gearblocks.cli.terminal import say
 from gearblocks.errors import ParameterError
 from gearblocks.files import check_place
+from gearblocks.plurals import singular
 
 if TYPE_CHECKING:
     from gearblocks.analysis.scenes.scene import Scene
@@ -41,7 +42,7 @@ def report(result: Trajectory, shown: Sequence[str]) -> None:
     if not len(result.t):
         say(f"{result.name}: no samples")
         return
-    say(f"{result.name}: {len(result.t)} samples up to t = {result.t[-1]:.6g} s")
+    say(singular(f"{result.name}: {len(result.t)} samples up to t = {result.t[-1]:.6g} s"))
     say(f"{result.stats}")
     say(f"energy residual {result.energy.residual:.1e} of a turnover of {result.energy.turnover:.4g} J")
     width = max((len(name) for name in shown), default=0)

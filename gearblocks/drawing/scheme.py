@@ -30,6 +30,7 @@ from gearblocks.blocks import (
 )
 from gearblocks.drawing.planet_sets import Gearing, planet_sets, simple_gearing
 from gearblocks.language.block import Block
+from gearblocks.plurals import singular
 from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.graph import GROUND, Component, Train
 
@@ -99,7 +100,7 @@ class Scheme:
     shafts: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return f"<Scheme of '{self.name}': {len(self.elements)} elements, {len(self.shafts)} shafts>"
+        return singular(f"<Scheme of '{self.name}': {len(self.elements)} elements, {len(self.shafts)} shafts>")
 
 
 def scheme_of(train: Train) -> Scheme:

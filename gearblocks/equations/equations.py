@@ -20,6 +20,7 @@ from gearblocks.equations.nomenclature import Entry
 from gearblocks.equations.switched_constraints import SwitchedConstraint, constraint_torques, wanted
 from gearblocks.errors import ParameterError, did_you_mean
 from gearblocks.laws.symbols import time_symbol
+from gearblocks.plurals import singular
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class Equations:
 
     def __repr__(self) -> str:
         counts = f"{len(self.q)} angles, {len(self.states)} states of blocks, {len(self.definitions)} definitions"
-        return f"<Equations of '{self.name}': {counts}, {len(self.parameters)} parameters>"
+        return singular(f"<Equations of '{self.name}': {counts}, {len(self.parameters)} parameters>")
 
     @property
     def expanded(self) -> Any:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.program import EventTable
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 
 KINDS = ("state", "time", "impact")
 """What an event can be, by its number in `Events.array`."""
@@ -105,7 +106,7 @@ class Events(Sequence[Event]):
 
     def _repr_html_(self) -> str:
         head = ("t in s", "component", "kind", "before", "after")
-        return small_table(f"{len(self)} events", self._rows(len(self)), head=head, numbers=(0, 3, 4))
+        return small_table(singular(f"{len(self)} events"), self._rows(len(self)), head=head, numbers=(0, 3, 4))
 
     def _rows(self, most: int) -> list[tuple[str, str, str, str, str]]:
         found = self._objects(self.array[:most])

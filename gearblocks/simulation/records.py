@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 from gearblocks.simulation.events import Events
 from gearblocks.simulation.samples import Outputs
 from gearblocks.simulation.watched_effects import NOTHING, Watched
@@ -69,7 +70,7 @@ class Stats:
     def __str__(self) -> str:
         words = f"{self.method}: {self.steps} steps, {self.rejected} rejected, {self.rhs_calls} right-hand sides"
         words += f", {self.jacobians} Jacobians" if self.jacobians else ""
-        return f"{words}, {self.events} events, {1e3 * self.cpu_seconds:.3g} ms of CPU time"
+        return singular(f"{words}, {self.events} events, {1e3 * self.cpu_seconds:.3g} ms of CPU time")
 
     def table(self) -> list[tuple[str, str]]:
         """Words and numbers of every counter."""
@@ -232,7 +233,7 @@ class FinalState:
     key: str
 
     def __repr__(self) -> str:
-        return f"<FinalState at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>"
+        return singular(f"<FinalState at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>")
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "y", frozen(self.y))
@@ -273,4 +274,6 @@ class Content:
             row += len(outputs)
 
     def __repr__(self) -> str:
-        return f"<Content of a run: {len(self.t)} samples, {len(self.columns)} outputs, {len(self.events)} events>"
+        return singular(
+            f"<Content of a run: {len(self.t)} samples, {len(self.columns)} outputs, {len(self.events)} events>"
+        )

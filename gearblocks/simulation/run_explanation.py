@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, final
 
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 
 _SHOWN = 8
 """Rows that are printed."""
@@ -58,7 +59,9 @@ class RunExplanation:
         total = max(self.steps + self.rejected, 1)
         events = sum(row.events for row in self.rows)
         found = [
-            f"'{self.name}' took {self.steps} steps and {self.rejected} refused trials ({self.method}), {events} events."
+            singular(
+                f"'{self.name}' took {self.steps} steps and {self.rejected} refused trials ({self.method}), {events} events."
+            )
         ]
         first = self.rows[0] if self.rows else None
         if first is not None and first.steps + first.rejected:

@@ -11,6 +11,7 @@ from typing import Any, final
 
 import numpy as np
 
+from gearblocks.plurals import singular
 from gearblocks.solver.library import Library
 from gearblocks.solver.structures import Array
 
@@ -113,7 +114,7 @@ class Outputs(Mapping[str, Array]):
         return (out for out, _ in self._samples.batches([*self._numbers.values()]))
 
     def __repr__(self) -> str:
-        return f"<{len(self)} outputs at {len(self._samples)} samples, {len(self._known)} evaluated>"
+        return singular(f"<{len(self)} outputs at {len(self._samples)} samples, {len(self._known)} evaluated>")
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Outputs, (self._samples, dict(self._numbers))

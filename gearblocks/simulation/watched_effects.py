@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, final, overload
 
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 
 
 class WatchedEffect(NamedTuple):
@@ -60,7 +61,7 @@ class Watched(Sequence[WatchedEffect]):
         return "\n".join([*lines, *([f"not watched: {', '.join(self.unwatched)}"] * bool(self.unwatched))])
 
     def __repr__(self) -> str:
-        return f"<Watched: {len(self.rows)} outputs, {len(self.active)} of them active>"
+        return singular(f"<Watched: {len(self.rows)} outputs, {len(self.active)} of them active>")
 
     def _repr_html_(self) -> str:
         rows = [

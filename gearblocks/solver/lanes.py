@@ -18,6 +18,7 @@ import numpy as np
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError
+from gearblocks.plurals import singular
 from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.compiler import FLAGS, SHARED_SUFFIX, cpu_identity
 from gearblocks.solver.library import Model, compiler_here, headers_of, produced
@@ -63,7 +64,7 @@ class LaneResult:
     last: Array
 
     def __repr__(self) -> str:
-        return f"<LaneResult: {len(self.last)} points, {self.largest.shape[1]} outputs>"
+        return singular(f"<LaneResult: {len(self.last)} points, {self.largest.shape[1]} outputs>")
 
 
 class _Job(ctypes.Structure):
@@ -135,7 +136,7 @@ class Lanes:
         return largest.T, least.T, mean.T, rms.T, samples.transpose(2, 0, 1), last
 
     def __repr__(self) -> str:
-        return f"<Lanes of '{self._model.program.name}': {self.points} points, {self._n_outputs} outputs>"
+        return singular(f"<Lanes of '{self._model.program.name}': {self.points} points, {self._n_outputs} outputs>")
 
 
 @functools.lru_cache(maxsize=64)

@@ -25,6 +25,7 @@ from typing import Any, TypeVar
 from gearblocks.codegen.program import Program
 from gearblocks.errors import CompileError, GearblocksError, log
 from gearblocks.language.tidy import Tidy, told
+from gearblocks.plurals import singular
 from gearblocks.progress import Progress
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.cache import digest, user_cache
@@ -163,7 +164,7 @@ class Model(metaclass=Tidy):
     def __repr__(self) -> str:
         p = self.program
         counts = f"{p.n} states, {len(p.parameters)} parameters, {len(p.inputs)} inputs, {len(p.outputs)} outputs"
-        return f"<Model '{p.name}': {counts}, {len(p.switches)} switches>"
+        return singular(f"<Model '{p.name}': {counts}, {len(p.switches)} switches>")
 
 
 def compile_program(program: Program) -> Library:

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gearblocks.plurals import singular
 from gearblocks.solver.record import Record
 from gearblocks.solver.structures import Array
 
@@ -29,7 +30,7 @@ class Memory(NamedTuple):
     record: Record | None
 
     def __repr__(self) -> str:
-        return f"<Memory of a simulation: {len(self.parameters)} parameters, {len(self.inputs)} inputs>"
+        return singular(f"<Memory of a simulation: {len(self.parameters)} parameters, {len(self.inputs)} inputs>")
 
 
 def taken(spare: list[Memory] | None) -> Memory | None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import SimulationError
+from gearblocks.plurals import singular
 from gearblocks.solver.active_set import ReducedRows, reduced
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.matrix_algebra import SPARSE, Algebra, Matrix
@@ -44,7 +45,9 @@ class Point:
     algebra: Algebra = SPARSE
 
     def __repr__(self) -> str:
-        return f"<Point of '{self.program.name}' at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>"
+        return singular(
+            f"<Point of '{self.program.name}' at t = {self.t:g} s: {len(self.y)} states, {len(self.modes)} modes>"
+        )
 
     def at(self, **changes: Any) -> Point:
         """The same with other values."""

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block
 from gearblocks.language.expression import Expr
+from gearblocks.plurals import singular
 from gearblocks.train.disjoint_sets import DisjointSets
 from gearblocks.train.heat import receiving
 from gearblocks.train.nesting import localised
@@ -42,7 +43,7 @@ class Tree:
     coordinates: tuple[Coordinate, ...] = ()
 
     def __repr__(self) -> str:
-        return f"<Tree of '{self.name}': {len(self.parts)} parts, {len(self.links)} links>"
+        return singular(f"<Tree of '{self.name}': {len(self.parts)} parts, {len(self.links)} links>")
 
 
 def blocks_of(tree: Tree, prefix: str = "") -> Iterator[tuple[str, Block]]:

@@ -87,7 +87,7 @@ def test_failing_points_are_named_and_the_others_stand(script: str, capsys: pyte
     arguments = ["--of", "last(motor.w)", "--t-end", "1"]
     assert main(["sweep", script, "--over", "gain=0:1e4:2", *arguments]) == 0
     captured = capsys.readouterr()
-    assert "1 points failed" in captured.out and "gearblocks: gain = 10000: " in captured.err
+    assert "1 point failed" in captured.out and "gearblocks: gain = 10000: " in captured.err
     assert main(["sweep", script, "--over", "gain=1e4:2e4:2", *arguments]) == 1
 
 

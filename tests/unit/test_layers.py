@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 ROOMS: tuple[tuple[str, ...], ...] = (
-    ("gearblocks.errors", "gearblocks.files", "gearblocks.pages", "gearblocks.progress"),
+    ("gearblocks.errors", "gearblocks.files", "gearblocks.pages", "gearblocks.plurals", "gearblocks.progress"),
     ("gearblocks.language",),
     ("gearblocks.geometry",),
     ("gearblocks.laws",),

@@ -82,7 +82,7 @@ def test_a_repr_says_what_and_how_many() -> None:
     assert repr(gb.modes(model, None)) == "<Modes of 'pair': 2 modes, 1 of them free rotation, 0 .. 0.435864 Hz>"
     assert repr(gb.linearize(model, None)).startswith("<Linearization of 'pair' at t = 0 s: 3 states, 0 inputs, ")
     diagram = gb.campbell(model, "a.w", [1.0, 2.0], orders={"first": 1.0}, at=None)
-    assert repr(diagram) == "<Campbell of 'pair' over a.w: 2 speeds, 1 modes, 1 orders, 0 crossings>"
+    assert repr(diagram) == "<Campbell of 'pair' over a.w: 2 speeds, 1 mode, 1 order, 0 crossings>"
 
 
 def test_the_points_of_a_section_and_its_label_fit_a_screen() -> None:

@@ -13,6 +13,7 @@ from gearblocks.analysis.scenes.price_result import GAIN, Price
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent, relative_cost
 from gearblocks.drivetrain import Drivetrain
+from gearblocks.plurals import singular
 from gearblocks.simulation.records import Stats
 
 Array = NDArray[np.float64]
@@ -126,7 +127,7 @@ class Fit:
             f"at {trial.estimates[1].effort}"
         )
         lines += [str(one) for one in self.around]
-        return "\n".join([*lines, f"{self.trains} trains built, {self.runs} runs made"])
+        return "\n".join([*lines, singular(f"{self.trains} trains built, {self.runs} runs made")])
 
     @property
     def sentence(self) -> str:

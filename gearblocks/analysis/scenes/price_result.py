@@ -12,6 +12,7 @@ from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.scenes.trials import Judgement, Trial, Verdict, percent, relative_cost, work_of
 from gearblocks.errors import UnknownNameError, did_you_mean
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 from gearblocks.simulation.records import Stats
 
 GAIN = 0.05
@@ -146,7 +147,9 @@ class Price:
 
     def __repr__(self) -> str:
         end = "" if self.complete else ", stopped"
-        return f"<Price of '{self.scene.name}': {len(self.rows)} rows, {self.trains} trains, {self.runs} runs{end}>"
+        return singular(
+            f"<Price of '{self.scene.name}': {len(self.rows)} rows, {self.trains} trains, {self.runs} runs{end}>"
+        )
 
     def _repr_html_(self) -> str:
         head, rows = self.table()

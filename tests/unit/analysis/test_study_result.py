@@ -215,7 +215,7 @@ def test_a_printed_study_shows_its_first_and_last_points(count: int, rows: int) 
     assert numbers[1][3] == "none"  # the run is there, and another quantity has its value
     assert f"q1: 1 .. 2, none at 1 of {count} points" in str(found)
     assert (["..."] * 4 in numbers) == (count > 11)
-    assert "1 points failed" not in str(found)
+    assert "1 point failed" not in str(found)
     assert repr(found).startswith("<study of")
 
 
@@ -256,3 +256,14 @@ def test_one_column_that_does_not_fit_is_one() -> None:
         _made({f"a_longer_path.of_a_value_{i}": [1.0, 2.0] for i in range(4)}, (), np.array([1.0, 3.0]))
     ).splitlines()
     assert lines[-1] == "and 1 more column: to_xarray() or to_csv() has all"
+
+
+def test_a_trough_that_is_rounding_beside_the_peak_is_zero() -> None:
+    values = np.array([[100.0, -1.3e-23], [200.0, 2e-24]])
+    names, units = ("peak(shaft.torque)", "trough(shaft.torque)"), ("N m", "N m")
+    found = gb.Study(
+        ("k",), ("",), np.array([[1.0], [2.0]]), (2,), names, units, (1, 1), values, np.ones(2, dtype=np.bool_)
+    )
+    assert "trough(shaft.torque): 0 .. 0 N m" in str(found) and "e-2" not in str(found)
+    alone = gb.Study(("k",), ("",), found.points, (2,), names[1:], units[1:], (1,), values[:, 1:], found.done)
+    assert "-1.3e-23" in str(alone)

@@ -1,0 +1,25 @@
+"""How many there are of something, in words. Knows nothing of what is counted."""
+
+from __future__ import annotations
+
+import re
+
+_COUNTED = (
+    "angles", "bodies", "boxes", "cases", "coordinates", "crossings", "definitions", "elements", "events", "frequencies",
+    "inputs", "lines", "links", "modes", "orders", "outputs", "parameters", "parts", "periods", "points", "problems",
+    "right-hand sides", "rows", "runs", "samples", "segments", "shafts", "speeds", "states", "steps", "switches", "times",
+    "trains", "values",
+)  # fmt: skip
+_ONE = re.compile(rf"(?<![\w.,/'\"-])1 ({'|'.join(_COUNTED)})\b")
+
+
+def singular(text: str) -> str:
+    """A text with "1 input" for "1 inputs"."""
+    return _ONE.sub(lambda found: f"1 {_one_of(found[1])}", text)
+
+
+def _one_of(plural: str) -> str:
+    for end, one in (("ies", "y"), ("ches", "ch"), ("xes", "x")):
+        if plural.endswith(end):
+            return plural.removesuffix(end) + one
+    return plural.removesuffix("s")
