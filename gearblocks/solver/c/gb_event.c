@@ -163,6 +163,24 @@ int gb_update_states(gb_sim *sim) {
     return code;
 }
 
+/* How many frictions rest on limits. */
+static int count_rests(const gb_sim *sim) {
+    int count = 0;
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        count += sim->head->events.resting[j] >= 0;
+    }
+    return count;
+}
+
+int gb_settle_on_limits(gb_sim *sim) {
+    const int before = count_rests(sim);
+    int code = sim->head->events.n_sliding > 0 ? gb_settle_sliding(sim) : GB_DONE;
+    if (code == GB_DONE && count_rests(sim) < before) {
+        code = gb_settle_all(sim, 1);
+    }
+    return code;
+}
+
 int gb_apply_event(gb_sim *sim) {
     gb_head *head = sim->head;
     if (sim->model->update_states != NULL) {
@@ -194,8 +212,8 @@ int gb_apply_event(gb_sim *sim) {
     if (code == GB_DONE) {
         code = gb_balance_massless(sim, GB_AT_EVENT);
     }
-    if (code == GB_DONE && head->events.n_sliding > 0) {
-        code = gb_settle_sliding(sim);
+    if (code == GB_DONE) {
+        code = gb_settle_on_limits(sim);
     }
     if (timed) {
         gb_refresh_breaks(sim, 0);

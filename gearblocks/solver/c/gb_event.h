@@ -11,6 +11,10 @@ int gb_settle_modes(gb_sim *sim, int log);
 /* Switches the constraints, and what else flips because of it. */
 int gb_settle_all(gb_sim *sim, int log);
 
+/* What slides or rests on a limit and may no longer leaves it. A friction that rested was held whatever was asked of
+ * it: what it does from here is decided with all others. */
+int gb_settle_on_limits(gb_sim *sim);
+
 /* What comes before: an event; nothing, so that angles that are not given are those at rest; a motion whose states are
  * given, so that angles that dampers and friction hold are what they were. */
 enum { GB_AT_EVENT, GB_FROM_REST, GB_GOING_ON };

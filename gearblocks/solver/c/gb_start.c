@@ -14,7 +14,6 @@
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_rosenbrock.h"
-#include "gb_sliding.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
@@ -258,5 +257,5 @@ int gb_apply_changes(gb_sim *sim) {
     if (code == GB_DONE && model->n_constraints > 0) {
         code = gb_switch_constraints(sim, 1);
     }
-    return code == GB_DONE && head->events.n_sliding > 0 ? gb_settle_sliding(sim) : code;
+    return code == GB_DONE ? gb_settle_on_limits(sim) : code;
 }

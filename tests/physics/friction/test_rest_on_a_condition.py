@@ -66,6 +66,26 @@ def test_it_leaves_where_the_nearer_side_and_the_friction_together_hold_no_more(
         assert run["drive.torque"][0] == pytest.approx(way * (0.3 * peak - 1.0), rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("capacity", "pull", "leaves", "rate", "held"),
+    [
+        pytest.param((0.3, 0.0), (0.5, 1.5), 20.5, 0.5, 0.0, id="brake off"),
+        pytest.param((0.3, 0.1), (0.0, 1.5), 20.5, 0.4, 0.1, id="brake eased"),
+        pytest.param((0.3, 0.3), (0.0, -2.0), 20.5, -0.7, -0.3, id="downward"),
+        pytest.param((0.3, 2.1), (0.0, 1.5), 99.0, 0.0, 1.5, id="held"),
+    ],
+)
+def test_loads_and_capacities_that_jump_at_an_instant(capacity, pull, leaves, rate, held):
+    cap = gb.piecewise((capacity[0], gb.time < 20.0), (capacity[1], True))
+    load = gb.piecewise((pull[0], gb.time < 20.5), (pull[1], True))
+    run = gb.simulate(_positioner(1.0, 1.0, 1.0, cap, pull=load), t=[19.0, 20.25, 22.5])
+    gone = max(22.5 - leaves, 0.0)
+    assert run["body.w"] == pytest.approx([0.0, 0.0, rate * gone], abs=1e-9)
+    assert run["body.phi"] - 1.0 == pytest.approx([0.0, 0.0, 0.5 * rate * gone**2], abs=1e-9)
+    assert run["brake.torque"][-1] == pytest.approx(held, abs=1e-9)
+    assert (np.abs(run["brake.torque"][:2]) <= np.array(capacity) + 1e-12).all()
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_conditions_that_are_not_linear_behind_a_gear_and_beside_a_spring(method):
