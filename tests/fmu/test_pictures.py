@@ -23,6 +23,7 @@ def test_the_fmu_of_a_train_shows_its_scheme(tmp_path: Path) -> None:
     with zipfile.ZipFile(path) as archive:
         page, icon = archive.read("documentation/index.html").decode(), archive.read("model.png")
     assert str(rig.draw()) in page and icon.startswith(b"\x89PNG")
+    assert '<div class="wide">\n<table>' in page and ".wide { overflow-x: auto; }" in page
 
 
 @pytest.mark.long
