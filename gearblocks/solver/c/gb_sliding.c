@@ -324,7 +324,7 @@ int gb_count_flip_or_slide(gb_sim *sim, int i) {
     if (sim->events.flips[i] == 1.0 && since <= NO_STEP * sim->head->control.h_largest) {
         sim->events.flips[i] = gb_min(before + 1.0, IN_VAIN + 1.0);
     }
-    if (!gb_come_to_rest(sim, i, since) && sim->events.flips[i] > IN_VAIN) {
+    if (!gb_come_to_rest(sim, i, gb_max(since, DBL_MIN)) && sim->events.flips[i] > IN_VAIN) {
         gb_stay_on_limit(sim, i);
     }
     return code;
