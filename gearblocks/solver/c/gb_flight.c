@@ -8,8 +8,11 @@
 /* Squares of restitutions beyond which impacts do not end a cascade by themselves. */
 static const double MOST_KEPT = 0.999;
 
-/* Impacts on a stop from which on they are low where their energy is. */
-static const double MANY = 1e5;
+/* Impacts on a stop from which on they are low where their energy is; and of those that fade. */
+static const double MANY = 1e5, FADING = 2e3;
+
+/* Of the speed of half as many impacts or fewer: they fade, and come without an end. */
+static const double FADED = 0.75;
 
 /* A flight of such a duration and height cannot be told from rest: its end lies within the rounding of time, or is
  * located no better than the rounding of the gap and would give back the speed that the impact took. Where the search
@@ -25,11 +28,12 @@ static int is_nothing(gb_sim *sim, int i, double duration, double height, double
 /* Flights from a stop that takes next to nothing have no end where the motion between them loses energy, or the load
  * grows: they become lower and as many more. Such a speed and height are less than what the tolerance admits of both
  * sides of the stop: the run cannot tell them from rest, nor in which of the flights it is. After N of them it cannot
- * tell the latter of N times that speed either, and takes rest where their energy is less than the tolerance too. */
+ * tell the latter of N times that speed either, and takes rest where their energy is less than the tolerance too; of
+ * those that do not fade, and have an end with the run, only where that would be far. */
 static int cannot_be_told(gb_sim *sim, int i, double speed, double height, double restitution) {
     const double impacts = sim->constraints.impacts[i], slow = gb_min(impacts, 1.0 / sqrt(sim->head->options.rtol));
-    return restitution * restitution > MOST_KEPT &&
-           speed <= (impacts < MANY ? 1.0 : slow) * gb_tolerance_of_slip(sim, i) &&
+    const int many = impacts >= (speed < FADED * sim->constraints.impact_speed[2 * i + 1] ? FADING : MANY);
+    return restitution * restitution > MOST_KEPT && speed <= (many ? slow : 1.0) * gb_tolerance_of_slip(sim, i) &&
            height <= gb_tolerance_of(sim, sim->model->constraints[i].slip);
 }
 

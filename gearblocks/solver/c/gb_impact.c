@@ -46,7 +46,13 @@ static void note_loss(gb_sim *sim, int i, double lost) {
 /* What an impact did to constraint i: its loss, states and event. */
 static void note_impact(gb_sim *sim, int i, double impulse, double before, double after) {
     const gb_constraint *constraint = &sim->model->constraints[i];
+    double *speed = sim->constraints.impact_speed + 2 * i;
     sim->constraints.impacts[i] += 1.0;
+    const unsigned long count = (unsigned long)sim->constraints.impacts[i];
+    if ((count & (count - 1)) == 0) {
+        speed[1] = speed[0];
+        speed[0] = fabs(before);
+    }
     if (constraint->impulse >= 0) {
         sim->y[constraint->impulse] = impulse;
     }

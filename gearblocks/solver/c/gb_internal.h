@@ -282,10 +282,10 @@ struct gb_implicit {
     double *row_change, *row_by_state;             /* of these slips: what unknowns and what states add */
 };
 
-/* Switched constraints, by constraint; row_size and impacts in the block, all else scratch of an event. */
+/* Switched constraints, by constraint; row_size, impacts, impact_speed in the block, all else scratch of an event. */
 struct gb_constraints {
-    double *row_size, *impacts; /* sums of the sizes of the coefficients of G; how often it was struck so far */
-    double *row;                /* rows of G over the speeds */
+    double *row_size, *impacts, *impact_speed; /* sums of |G|; strikes so far, slips at powers of two of them (two) */
+    double *row;                               /* rows of G over the speeds */
     double *slip, *slip_rounding, *slip_before, *free_acceleration;
     double *bounds;                  /* five numbers each, see gb_model.h */
     double *delassus, *room;         /* W of all of them (see gb_delassus.h), and room for as much */

@@ -46,6 +46,7 @@ static size_t lay_block(gb_sim *sim, char *base) {
     }
     sim->constraints.row_size = doubles(base, &at, m->n_constraints);
     sim->constraints.impacts = doubles(base, &at, m->n_constraints);
+    sim->constraints.impact_speed = doubles(base, &at, 2 * m->n_constraints);
     for (size_t i = 0; i < sizeof by_switch / sizeof by_switch[0]; i++) {
         *by_switch[i] = doubles(base, &at, m->n_switches);
     }
