@@ -11,6 +11,15 @@ static const double SUDDEN = 1e10;
 /* Values near the end of the range of numbers. */
 static const double HUGE_STATE = 1e100;
 
+/* Steps before the first look at the pace; the next is after twice as many. */
+static const double FIRST_LOOK = 65536.0;
+
+/* rad/s or m/s: no machine is so fast. */
+static const double BEYOND_MACHINES = 1e9;
+
+/* From look to look: what the speed grows by, what the pace falls to, and how many times as long is left. */
+static const double GROWS = 2.0, FALLS = 0.75, LEFT = 4.0;
+
 /* The state that grows quickest of those near their largest value; -1: none grows. */
 static int fastest(const gb_sim *sim, double *pace) {
     int found = -1;
@@ -66,6 +75,28 @@ int gb_watch_fixed_step(gb_sim *sim, double h) {
 int gb_name_growth(gb_sim *sim) {
     double pace;
     return fail(sim, fastest(sim, &pace), sim->head->ledger.turnover);
+}
+
+int gb_watch_pace(gb_sim *sim, double target) {
+    const gb_model *model = sim->model;
+    struct gb_growth *growth = &sim->head->growth;
+    const double steps = (double)sim->head->counts.steps;
+    if (steps < gb_max(growth->look_at, FIRST_LOOK)) {
+        return GB_DONE;
+    }
+    int fast = model->n - model->n_speeds;
+    for (int i = fast; i < model->n; i++) {
+        fast = sim->control.largest[i] > sim->control.largest[fast] ? i : fast;
+    }
+    const double t = sim->head->front.t1, since = t - gb_max(growth->t_look, sim->head->front.t_start);
+    const double speed = model->n_speeds > 0 ? sim->control.largest[fast] : 0.0, pace = since / steps;
+    const int escapes = growth->look_at > 0.0 && speed > gb_max(BEYOND_MACHINES, GROWS * growth->speed) &&
+                        pace < FALLS * growth->pace && target - t > LEFT * since;
+    growth->look_at = 2.0 * steps;
+    growth->t_look = t;
+    growth->pace = pace;
+    growth->speed = speed;
+    return escapes ? fail(sim, fast, sim->y[fast]) : GB_DONE;
 }
 
 int gb_name_escape(gb_sim *sim, int code) {

@@ -18,6 +18,10 @@ int gb_watch_fixed_step(gb_sim *sim, double h);
 /* The turnover has passed GB_BEYOND: GB_ERR_ESCAPE, or GB_ERR_UNSTABLE, by the state that grows quickest. */
 int gb_name_growth(gb_sim *sim);
 
+/* Speeds beyond those of all machinery that go on growing, and steps that become as much shorter (what is stiffer the
+ * further it goes): GB_ERR_ESCAPE, where the run to `target` would take many times as many steps as all so far. */
+int gb_watch_pace(gb_sim *sim, double target);
+
 /* After GB_ERR_STEP and GB_ERR_NAN_RATE: the same code, or GB_ERR_ESCAPE by the state that grew until then. */
 int gb_name_escape(gb_sim *sim, int code);
 

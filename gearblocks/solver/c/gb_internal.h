@@ -127,6 +127,7 @@ struct gb_drift {
 /* Motion that grows without bound, see gb_growth.h. */
 struct gb_growth {
     int wrong; /* fixed steps with an error of the size of the motion, weighed against those without */
+    double look_at, t_look, pace, speed; /* steps at the next look at the pace; of the last: time, mean step, speed */
 };
 
 struct gb_counts {
@@ -143,9 +144,8 @@ struct gb_choice {
     long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
     int restless;                  /* recent changes of the method */
     long long calm_at;             /* when one of them is forgotten */
-    long long held, held_next;     /* steps in a row that only the reach of the explicit method holds back, and how many
-                                      are looked at */
-    int early;                     /* the last look was for them, before its time */
+    long long held, held_next; /* steps in a row that only the reach of the method holds back; how many are looked at */
+    int early;                 /* the last look was for them, before its time */
     double t_look, h_explicit, h_pays;
     int n_switches, switch_method[GB_KEPT];
     double switch_t[GB_KEPT];

@@ -3,6 +3,7 @@
 #include "gb_departed.h"
 #include "gb_departure.h"
 #include "gb_event.h"
+#include "gb_growth.h"
 #include "gb_quantity.h"
 #include "gb_rates.h"
 #include "gb_record.h"
@@ -232,8 +233,14 @@ int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record
         if (code != GB_PAUSE) {
             return code;
         }
-        if (++count % STEPS_BETWEEN_LOOKS == 0 && slice > 0.0 && clock() >= until) {
-            return GB_PAUSE;
+        if (++count % STEPS_BETWEEN_LOOKS == 0) {
+            if (slice > 0.0 && clock() >= until) {
+                return GB_PAUSE;
+            }
+            code = gb_watch_pace(sim, target);
+            if (code != GB_DONE) {
+                break;
+            }
         }
         const int is_step = !sim->head->events.pending;
         code = move(sim, target);

@@ -91,6 +91,16 @@ def test_growth_to_infinity_in_finite_time_is_named_as_such(power, method):
     assert caught.value.time == pytest.approx(1 / (power - 1), rel=1e-5)
 
 
+def test_what_becomes_quicker_as_it_grows_stops_where_no_machine_is_so_fast():
+    """J w' = D w - k phi^3: the further it swings the quicker, twice as many steps every 0.1 s; not where the end is near."""
+    model = gb.build(_fed(20 * W - PHI**3, w0=1.0))
+    with pytest.raises(gb.SimulationError, match=r"'rotor': the motion grows without bound") as caught:
+        gb.simulate(model, t=np.linspace(0, 4.0, 41))
+    assert np.abs(caught.value.trajectory["rotor.w"]).max() > 1e9
+    assert caught.value.time == pytest.approx(1.8, abs=0.2)
+    assert np.abs(gb.simulate(model, t=np.linspace(0, 2.0, 21))["rotor.w"]).max() > 1e12
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("feed", ["speed", "angle", "resonance"])
 @pytest.mark.few(1)
