@@ -19,6 +19,7 @@ enum {
     GB_ROWS = 8,          /* rows of a dense polynomial */
     GB_EIGHTHS = 8,       /* interior samples of an event function */
     GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
+    GB_HELD = -2,         /* of `resting`: its rate is none, and the mean keeps that of the rate none */
     GB_SLIDING = 4,       /* switches that slide along their limit at a time */
     GB_FLIPS = 20         /* flips of one switch without progress of time before the run stops */
 };
@@ -244,8 +245,7 @@ struct gb_unlocated {
     int crossed;      /* a mode changed between two stages of the step */
 };
 
-/* Rates beside limits along which switches slide: modes and time terms there, rates below and above, a state beside,
- * event functions and outputs below and above. */
+/* Rates beside limits along which switches slide: modes, time terms, rates, a state, functions and outputs there. */
 struct gb_sliding {
     double *mode, *rates, *state, *functions, *outputs;
     gb_lanes lanes;

@@ -143,7 +143,7 @@ static void lay_events(gb_sim *sim, char *base, size_t *at) {
     sim->unlocated.mode = doubles(base, at, m->n_switches + active_set_size(m, &carried));
     sim->unlocated.n_carried = (size_t)(m->n_switches + carried);
     sim->sliding.mode = doubles(base, at, m->n_switches + active_set_size(m, &carried));
-    sim->sliding.rates = doubles(base, at, m->n_event_functions > 0 ? (long)(1 + GB_SLIDING) * m->n_total : 0);
+    sim->sliding.rates = doubles(base, at, m->n_event_functions > 0 ? (long)(1 + GB_SLIDING + 2) * m->n_total : 0);
     sim->sliding.functions = doubles(base, at, 2L * m->n_event_functions);
     sim->sliding.outputs = doubles(base, at, m->n_event_functions > 0 ? 2L * m->n_outputs : 0);
     e->role = take(base, at, sizeof(int) * (size_t)(m->n_switches + 1));

@@ -7,7 +7,8 @@ enum { POINTS = 4 };
 /* A difference of fourth order. */
 static const double point[POINTS] = {-2.0, -1.0, 1.0, 2.0};
 static const double weight[POINTS] = {1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0};
-static const double NEAR = 1e-3; /* its points, in steps: it tells 1e-12 of what a step tells */
+static const double NEAR = 1e-3;  /* its points, in steps: it tells 1e-12 of what a step tells */
+static const double APART = 1e-4; /* rad or m: where the direction alone counts */
 static const double ROUNDING = 64.0 * DBL_EPSILON;
 static const double LEAST = 1e-9; /* share in a recorded mode, that shows as one */
 
@@ -57,13 +58,11 @@ static void rates_beside(gb_sim *sim, int full, const gb_lanes *at, int lane, co
     }
 }
 
-/* How fast the event functions of those that slide change along rates f. */
-static void speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y, double *speed) {
+void gb_speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y, double apart,
+                     double later, double *speed) {
     const gb_model *model = sim->model;
     const int n = sim->head->events.n_sliding, *sliding = sim->head->events.sliding;
     double *s = sim->sliding.functions, *state = sim->sliding.state;
-    const double h = gb_min(sim->head->control.h_next, sim->head->options.max_step), step = h > 0.0 ? h : NEAR;
-    const double distance = NEAR * step;
     gb_lanes *own = &sim->sliding.lanes;
     int general = 0;
     if (model->n_affine > 0) {
@@ -74,7 +73,7 @@ static void speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int l
         speed[j] = sliding[j] < model->n_affine ? s[sliding[j]] : 0.0;
     }
     for (int p = 0; p < POINTS && general; p++) {
-        own->t[p] = at->t[lane] + point[p] * distance;
+        own->t[p] = at->t[lane] + point[p] * later;
         for (int i = 0; i < model->n_inputs; i++) { /* of those that move they are overwritten */
             own->u[i * GB_LANES + p] = at->u[i * GB_LANES + lane];
         }
@@ -84,12 +83,52 @@ static void speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int l
     }
     for (int p = 0; p < POINTS; p++) {
         for (int i = 0; i < model->n_padded; i++) {
-            state[i] = y[i] + (i < model->n ? point[p] * distance * f[i] : 0.0);
+            state[i] = y[i] + (i < model->n ? point[p] * apart * f[i] : 0.0);
         }
         model->event_functions(sim->par, sim->mode, own->time_terms + p, state, s);
         for (int j = 0; j < n; j++) {
-            speed[j] += sliding[j] < model->n_affine ? 0.0 : weight[p] / distance * s[sliding[j]];
+            speed[j] += sliding[j] < model->n_affine ? 0.0 : weight[p] / apart * s[sliding[j]];
         }
+    }
+}
+
+void gb_accelerations_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y,
+                            double *speed) {
+    const gb_model *model = sim->model;
+    const int first = model->n - model->n_speeds;
+    double *state = sim->sliding.state, most = 0.0;
+    double *pushed = sim->sliding.rates + (size_t)(1 + GB_SLIDING) * (size_t)model->n_total;
+    double *still = pushed + model->n_total;
+    for (int moves = 0; moves < 2; moves++) {
+        memcpy(state, y, sizeof(double) * (size_t)model->n_padded);
+        for (int i = first; i < model->n; i++) {
+            state[i] = moves ? f[i] : 0.0;
+        }
+        model->rhs(sim->par, sim->mode, at->time_terms + lane, state, moves ? pushed : still);
+    }
+    for (int i = 0; i < model->n; i++) {
+        pushed[i] = i < first ? pushed[i] - still[i] : 0.0;
+        most = gb_max(most, fabs(pushed[i]));
+    }
+    gb_speeds_along(sim, pushed, at, lane, y, most > 0.0 ? APART / most : 1.0, 0.0, speed);
+}
+
+/* How fast the event functions of those that slide change along rates f; of those that are held, how fast their rates
+ * do. */
+static void speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y, double *speed) {
+    const double h = gb_min(sim->head->control.h_next, sim->head->options.max_step), step = h > 0.0 ? h : NEAR;
+    const int n = sim->head->events.n_sliding, *resting = sim->head->events.resting;
+    double second[GB_SLIDING];
+    int held = 0;
+    for (int j = 0; j < n; j++) {
+        held |= resting[j] == GB_HELD;
+    }
+    gb_speeds_along(sim, f, at, lane, y, NEAR * step, NEAR * step, speed);
+    if (held) {
+        gb_accelerations_along(sim, f, at, lane, y, second);
+    }
+    for (int j = 0; j < n && held; j++) {
+        speed[j] = resting[j] == GB_HELD ? second[j] : speed[j];
     }
 }
 

@@ -44,6 +44,15 @@ static inline int gb_rests(const gb_sim *sim, int c) {
  * `bounds_above` above: a half, or the nearest to that; beyond its ends where none is. */
 double gb_share_within(const double force[2], const double *bounds, const double *bounds_above);
 
+/* How fast the event functions of those that slide change along rates f, by differences at so many times f, and at so
+ * many s later. */
+void gb_speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y, double apart,
+                     double later, double *speed);
+
+/* The same of what the accelerations among the rates f make of their rates, at rest on their limits; they read
+ * coordinates alone. */
+void gb_accelerations_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y, double *speed);
+
 /* The shares for which no limit is left. 0: there are none; 1: a limit is no place to stay; 2: they all attract. */
 int gb_find_shares(gb_sim *sim, int full, const gb_lanes *at, int lane, const double *y, double *share);
 

@@ -2,6 +2,7 @@
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_evaluate.h"
+#include "gb_limit_hold.h"
 #include "gb_limit_rest.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
@@ -14,6 +15,7 @@ enum { HALVINGS = 60, LOOKS = 4, IN_VAIN = 8 }; /* so many flips without progres
 static const double BEYOND = 1e-9;  /* a share this far beyond its end counts as there */
 static const double SAME = 1e-12;   /* of the terms of a difference: what is left of it is nothing */
 static const double NO_STEP = 1e-6; /* of the largest step: flips that follow so closely come of rounding, or in vain */
+static const double CLOSE = 1e-3;   /* of the largest step: flips that may be swings of nothing */
 static const double UNTOLD = 1e-3;  /* of the tolerance: how far two motions may come apart and be taken for one */
 
 /* The constraint by whose force event function i is active: friction or a stop; else -1. */
@@ -111,7 +113,9 @@ static int shares_fit(int n, const double *share) {
     return 1;
 }
 
-int gb_slide(gb_sim *sim, int i) {
+/* Switch i slides from here on, or is held (GB_HELD), its last flip so long ago; else returns 0, and nothing changes.
+ */
+static int begin(gb_sim *sim, int i, int resting, double since) {
     gb_head *head = sim->head;
     double share[GB_SLIDING];
     if (sim->events.role[i] != GB_ORDINARY || i >= sim->model->n_event_functions ||
@@ -127,18 +131,29 @@ int gb_slide(gb_sim *sim, int i) {
         return 0;
     }
     gb_set_mode(sim, i, below, 0);
-    head->events.resting[head->events.n_sliding] = -1;
+    head->events.resting[head->events.n_sliding] = resting;
     head->events.sliding[head->events.n_sliding++] = i;
-    if (gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 || !shares_fit(head->events.n_sliding, share) ||
+    memcpy(sim->z, sim->y, sizeof(double) * (size_t)sim->model->n_total);
+    if ((resting == GB_HELD && !gb_hold_last(sim, since)) ||
+        gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 || !shares_fit(head->events.n_sliding, share) ||
         others_depend(sim, sim->y, share)) {
         forget(sim, i);
         gb_set_mode(sim, i, before, 0);
+        memcpy(sim->y, sim->z, sizeof(double) * (size_t)sim->model->n_total);
         return 0;
     }
     gb_log(sim, i, 0, before, below + 0.5);
     sim->events.armed[i] = sim->events.pending[i] = sim->events.flips[i] = 0.0;
     gb_mode_limits(sim);
     return 1;
+}
+
+int gb_slide(gb_sim *sim, int i) {
+    return begin(sim, i, -1, 0.0);
+}
+
+int gb_hold(gb_sim *sim, int i, double since) {
+    return begin(sim, i, GB_HELD, since);
 }
 
 void gb_leave_sliding(gb_sim *sim, int i, double mode) {
@@ -324,7 +339,9 @@ int gb_count_flip_or_slide(gb_sim *sim, int i) {
     if (sim->events.flips[i] == 1.0 && since <= NO_STEP * sim->head->control.h_largest) {
         sim->events.flips[i] = gb_min(before + 1.0, IN_VAIN + 1.0);
     }
-    if (!gb_come_to_rest(sim, i, gb_max(since, DBL_MIN)) && sim->events.flips[i] > IN_VAIN) {
+    const int close = sim->events.flips[i] > 2.0 || since <= CLOSE * sim->head->control.h_largest;
+    if (!gb_come_to_rest(sim, i, gb_max(since, DBL_MIN)) && !(close && gb_hold(sim, i, since)) &&
+        sim->events.flips[i] > IN_VAIN) {
         gb_stay_on_limit(sim, i);
     }
     return code;

@@ -12,6 +12,10 @@
 /* Switch i, which goes back and forth at the front, slides from here on if both sides drive it back; else returns 0. */
 int gb_slide(gb_sim *sim, int i);
 
+/* Switch i over coordinates, whose accelerations both sides drive back, is held on its limit from here on by the mean
+ * of both (see gb_limit_hold.h); since: its last flip but one. Else returns 0. */
+int gb_hold(gb_sim *sim, int i, double since);
+
 /* Switch i slides no longer, and goes on in a mode at its limit. */
 void gb_leave_sliding(gb_sim *sim, int i, double mode);
 

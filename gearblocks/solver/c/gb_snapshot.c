@@ -50,7 +50,7 @@ static int sliding_fits(const gb_sim *sim, const struct gb_event_state *events) 
     int fits = events->n_sliding >= 0 && events->n_sliding <= GB_SLIDING;
     for (int j = 0; fits && j < events->n_sliding; j++) {
         fits = events->sliding[j] >= 0 && events->sliding[j] < sim->model->n_event_functions &&
-               events->resting[j] >= -1 && events->resting[j] < sim->model->n_constraints;
+               events->resting[j] >= GB_HELD && events->resting[j] < sim->model->n_constraints;
     }
     return fits;
 }
