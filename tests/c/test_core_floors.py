@@ -41,7 +41,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_give_up",
         "gb_mode_search",
     ),
-    ("gb_dense_output", "gb_constraint_switching", "gb_limit_rest", "gb_limit_hold"),
+    ("gb_dense_output", "gb_constraint_switching", "gb_limit_rest", "gb_limit_hold", "gb_limit_stay", "gb_grip"),
     ("gb_sliding", "gb_sliding_outputs", "gb_event_values", "gb_features"),
     ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_rounding_motion", "gb_defect"),
     ("gb_enclosed_limit",),

@@ -1,4 +1,5 @@
 #include "gb_constraint_state.h"
+#include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_vector.h"
 
@@ -78,11 +79,10 @@ void gb_factor_active_set(gb_sim *sim, double *mode, const double *time_terms, c
 
 void gb_read_bounds(gb_sim *sim, const double *y) {
     sim->model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, y, sim->constraints.bounds);
-    for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        if (sim->head->events.resting[j] >= 0) {
-            double *bounds = sim->constraints.bounds + 5 * sim->head->events.resting[j];
-            bounds[0] = -HUGE_VAL;
-            bounds[1] = HUGE_VAL;
+    for (int c = 0; c < sim->model->n_constraints && sim->head->events.n_sliding > 0; c++) {
+        if (gb_rests(sim, c) || gb_holds_by_mean(sim, c)) {
+            sim->constraints.bounds[5 * c] = -HUGE_VAL;
+            sim->constraints.bounds[5 * c + 1] = HUGE_VAL;
         }
     }
 }

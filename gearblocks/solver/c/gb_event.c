@@ -163,9 +163,9 @@ int gb_update_states(gb_sim *sim) {
     return code;
 }
 
-/* How many frictions rest on limits. */
+/* How many frictions rest on limits; one more where the mean of sides that slide holds constraints. */
 static int count_rests(const gb_sim *sim) {
-    int count = 0;
+    int count = sim->head->events.by_mean != 0;
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
         count += sim->head->events.resting[j] >= 0;
     }

@@ -168,7 +168,7 @@ struct gb_event_state {
     double t_crowd;              /* and the time then */
     int forces_agreed; /* enclosed constraint forces were right at the start of a step since the modes changed */
     int n_sliding, sliding[GB_SLIDING], resting[GB_SLIDING]; /* see gb_sliding.h, gb_rates.h */
-    uint64_t mode_hash;                                      /* of all modes */
+    uint64_t mode_hash, by_mean; /* of all modes; constraints (bits) that the mean of sides that slide holds */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
 };

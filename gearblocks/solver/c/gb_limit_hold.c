@@ -1,4 +1,5 @@
 #include "gb_limit_hold.h"
+#include "gb_constraint_state.h"
 #include "gb_rates.h"
 #include "gb_time_terms.h"
 #include "gb_tolerance.h"
@@ -89,6 +90,28 @@ static int ends(gb_sim *sim, int i, double speed, double since, double *room) {
     return narrow || fabs(speed) <= UNTOLD * tolerance_of_rate(sim, room);
 }
 
+/* A friction slips by the swings: it takes a part of each, and they end where it sticks. rates: below and above; the
+ * impulse of the jump that ends them is so many s of it. */
+static int rubs_by_swings(gb_sim *sim, const double *below, const double *above, double impulse) {
+    const gb_model *model = sim->model;
+    double *one = sim->constraints.right, *other = sim->constraints.free_acceleration;
+    if (model->n_constraints == 0) {
+        return 0;
+    }
+    gb_slips_now(sim);
+    model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, below, one);
+    model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, above, other);
+    for (int c = 0; c < model->n_constraints; c++) {
+        const double slip = sim->constraints.slip[c];
+        if (model->constraints[c].kind == GB_FRICTION && !gb_is_active(sim, c) &&
+            sim->mode[model->constraints[c].slip] != 0.0 &&
+            fabs(slip - impulse * (other[c] - one[c])) <= 0.5 * fabs(slip)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 int gb_hold_last(gb_sim *sim, double since) {
     const gb_model *model = sim->model;
     const int n = sim->head->events.n_sliding, i = sim->head->events.sliding[n - 1], first = model->n - model->n_speeds;
@@ -116,7 +139,7 @@ int gb_hold_last(gb_sim *sim, double since) {
     gb_accelerations_along(sim, below, &sim->instant, 0, sim->y, speed[0]);
     gb_accelerations_along(sim, above, &sim->instant, 0, sim->y, speed[1]);
     const double jump = speed[1][n - 1] - speed[0][n - 1];
-    if (!(jump < 0.0) || bend > -NOTHING * jump) {
+    if (!(jump < 0.0) || bend > -NOTHING * jump || rubs_by_swings(sim, below, above, rate / jump)) {
         return 0;
     }
     for (int j = first; j < model->n; j++) {

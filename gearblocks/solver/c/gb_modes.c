@@ -1,4 +1,5 @@
 #include "gb_modes.h"
+#include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_stage_modes.h"
 #include "gb_vector.h"
@@ -30,8 +31,10 @@ void gb_mode_limits(gb_sim *sim) {
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
         sim->events.lo[sim->head->events.sliding[j]] = -HUGE_VAL;
         sim->events.hi[sim->head->events.sliding[j]] = HUGE_VAL;
-        if (sim->head->events.resting[j] >= 0) {
-            const int held = sim->model->constraints[sim->head->events.resting[j]].active;
+    }
+    for (int c = 0; c < sim->model->n_constraints && sim->head->events.n_sliding > 0; c++) {
+        const int held = gb_rests(sim, c) || gb_holds_by_mean(sim, c) ? sim->model->constraints[c].active : -1;
+        if (held >= 0) {
             sim->events.lo[held] = -HUGE_VAL;
             sim->events.hi[held] = HUGE_VAL;
         }

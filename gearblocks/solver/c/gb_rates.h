@@ -28,6 +28,11 @@ static inline void gb_rates(gb_sim *sim, int full, const gb_lanes *at, int lane,
     }
 }
 
+/* Constraint c, which one side of what slides would not hold, is judged by the mean of all. */
+static inline int gb_holds_by_mean(const gb_sim *sim, int c) {
+    return c < 64 && (sim->head->events.by_mean >> c & 1) != 0;
+}
+
 /* Whether switch i slides. */
 int gb_slides(const gb_sim *sim, int i);
 

@@ -2,8 +2,10 @@
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
 #include "gb_evaluate.h"
+#include "gb_grip.h"
 #include "gb_limit_hold.h"
 #include "gb_limit_rest.h"
+#include "gb_limit_stay.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_report.h"
@@ -16,7 +18,6 @@ static const double BEYOND = 1e-9;  /* a share this far beyond its end counts as
 static const double SAME = 1e-12;   /* of the terms of a difference: what is left of it is nothing */
 static const double NO_STEP = 1e-6; /* of the largest step: flips that follow so closely come of rounding, or in vain */
 static const double CLOSE = 1e-3;   /* of the largest step: flips that may be swings of nothing */
-static const double UNTOLD = 1e-3;  /* of the tolerance: how far two motions may come apart and be taken for one */
 
 /* The constraint by whose force event function i is active: friction or a stop; else -1. */
 static int holding(const gb_sim *sim, int i) {
@@ -51,8 +52,8 @@ static double mean_forces(gb_sim *sim, const double *y, const double *share) {
 
 /* Event function i asks for the torque that slides: it differs between the sides, and is not of a condition that is in
  * its mode on both, or of a constraint that holds what the mean asks of it, and the lower sides, which are searched for
- * events. */
-static int depends(gb_sim *sim, int i, double below, double above, double largest) {
+ * events. settles: what holds by the mean alone is not searched from here on. */
+static int depends(gb_sim *sim, int i, double below, double above, double largest, int settles) {
     const gb_model *model = sim->model;
     if (fabs(above - below) <= SAME * (fabs(above) + fabs(below))) {
         return 0;
@@ -63,7 +64,11 @@ static int depends(gb_sim *sim, int i, double below, double above, double larges
     }
     if (constraint >= 0) {
         const double mean = sim->constraints.peak[constraint], *bounds = sim->constraints.bounds + 5 * constraint;
-        return gb_max(below, gb_max(mean - bounds[1], bounds[0] - mean)) > SAME * largest;
+        if (settles && constraint < 64 && below > SAME * largest) {
+            sim->head->events.by_mean |= (uint64_t)1 << constraint;
+        }
+        const double lower = gb_holds_by_mean(sim, constraint) ? 0.0 : below;
+        return gb_max(lower, gb_max(mean - bounds[1], bounds[0] - mean)) > SAME * largest;
     }
     if (sim->events.role[i] == GB_SILENT && sim->mode[i] < 0.5 && below <= 0.0 && above <= 0.0) {
         return 0; /* of a capacity, with its sign turned: one of 0 on one side rubs with nothing there */
@@ -73,7 +78,7 @@ static int depends(gb_sim *sim, int i, double below, double above, double larges
 }
 
 /* Whether another switch asks for the torque that slides by these shares, at the time terms at hand and the state y. */
-static int others_depend(gb_sim *sim, const double *y, const double *share) {
+static int others_depend(gb_sim *sim, const double *y, const double *share, int settles) {
     const gb_model *model = sim->model;
     const int n = model->n_event_functions;
     const double largest = model->n_constraints > 0 ? mean_forces(sim, y, share) : 0.0;
@@ -84,7 +89,7 @@ static int others_depend(gb_sim *sim, const double *y, const double *share) {
         const double *terms = gb_terms_above(sim, &sim->instant, 0);
         model->event_functions(sim->par, sim->sliding.mode, terms, y, above);
         for (int i = 0; i < n; i++) {
-            if (depends(sim, i, below[i], above[i], largest)) {
+            if (depends(sim, i, below[i], above[i], largest, settles)) {
                 return 1;
             }
         }
@@ -101,6 +106,7 @@ static void forget(gb_sim *sim, int i) {
         }
     }
     sim->head->events.n_sliding = n;
+    sim->head->events.by_mean = 0;
 }
 
 /* Every share lies between its ends, as far as that can be told. */
@@ -113,11 +119,19 @@ static int shares_fit(int n, const double *share) {
     return 1;
 }
 
+/* There are shares for all that slide, and nothing else depends on what slides. */
+static int all_fits(gb_sim *sim) {
+    double share[GB_SLIDING];
+    sim->head->events.by_mean = 0;
+    return gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) == 2 &&
+           shares_fit(sim->head->events.n_sliding, share) && !others_depend(sim, sim->y, share, 1);
+}
+
 /* Switch i slides from here on, or is held (GB_HELD), its last flip so long ago; else returns 0, and nothing changes.
  */
 static int begin(gb_sim *sim, int i, int resting, double since) {
+    const size_t size = sizeof(double) * (size_t)sim->model->n_total;
     gb_head *head = sim->head;
-    double share[GB_SLIDING];
     if (sim->events.role[i] != GB_ORDINARY || i >= sim->model->n_event_functions ||
         head->events.n_sliding >= GB_SLIDING || gb_slides(sim, i) || !head->options.locate ||
         gb_event_functions_now(sim) != GB_DONE || gb_time_terms_at(sim, head->front.t1) != GB_DONE) {
@@ -133,13 +147,22 @@ static int begin(gb_sim *sim, int i, int resting, double since) {
     gb_set_mode(sim, i, below, 0);
     head->events.resting[head->events.n_sliding] = resting;
     head->events.sliding[head->events.n_sliding++] = i;
-    memcpy(sim->z, sim->y, sizeof(double) * (size_t)sim->model->n_total);
-    if ((resting == GB_HELD && !gb_hold_last(sim, since)) ||
-        gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) < 2 || !shares_fit(head->events.n_sliding, share) ||
-        others_depend(sim, sim->y, share)) {
+    memcpy(sim->z, sim->y, size);
+    int fits = resting != GB_HELD || gb_hold_last(sim, since);
+    if (fits && gb_grip_again(sim)) {
+        fits = all_fits(sim);
+        if (!fits) {
+            gb_let_go_again(sim);
+            memcpy(sim->y, sim->z, size);
+            fits = (resting != GB_HELD || gb_hold_last(sim, since)) && all_fits(sim);
+        }
+    } else {
+        fits = fits && all_fits(sim);
+    }
+    if (!fits) {
         forget(sim, i);
         gb_set_mode(sim, i, before, 0);
-        memcpy(sim->y, sim->z, sizeof(double) * (size_t)sim->model->n_total);
+        memcpy(sim->y, sim->z, size);
         return 0;
     }
     gb_log(sim, i, 0, before, below + 0.5);
@@ -205,7 +228,8 @@ int gb_settle_sliding(gb_sim *sim) {
         const int n = sim->head->events.n_sliding;
         const int first = sim->head->events.sliding[0];
         const int found = gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share), fit = found && shares_fit(n, share);
-        if (found < 2 || (fit && others_depend(sim, sim->y, share))) {
+        sim->head->events.by_mean = 0;
+        if (found < 2 || (fit && others_depend(sim, sim->y, share, 1))) {
             return gb_fail(sim, GB_ERR_CHATTER, first, sim->head->front.t1, 0.0);
         }
         int worst = 0;
@@ -235,7 +259,7 @@ static int inside(gb_sim *sim, double theta, double *margin, int *which, double 
     }
     gb_dense_states(sim, theta, y);
     if (!gb_find_shares(sim, 0, &sim->instant, 0, y, share) ||
-        (shares_fit(sim->head->events.n_sliding, share) && others_depend(sim, y, share))) {
+        (shares_fit(sim->head->events.n_sliding, share) && others_depend(sim, y, share, 0))) {
         return GB_DONE;
     }
     *margin = 1.0;
@@ -275,59 +299,6 @@ int gb_sliding_end(gb_sim *sim, double *theta) {
         *theta = to;
     }
     return code;
-}
-
-/* The rates in the present modes and in those in sliding.mode are the same over a time h, as far as the tolerance of a
- * run can tell. */
-static int moves_alike(gb_sim *sim, double h) {
-    const gb_model *model = sim->model;
-    double *here = sim->sliding.rates, *there = here + model->n_total, sum = 0.0;
-    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, here);
-    model->rhs(sim->par, sim->sliding.mode, gb_terms_above(sim, &sim->instant, 0), sim->y, there);
-    for (int j = 0; j < model->n; j++) {
-        const double weight = sim->control.error_weight[j], apart = fabs(here[j] - there[j]);
-        sum += weight > 0.0 ? apart * h * weight : apart > SAME * (fabs(here[j]) + fabs(there[j]));
-    }
-    return sum <= UNTOLD;
-}
-
-/* No other switch differs between the present modes and those in sliding.mode. */
-static int others_agree(gb_sim *sim, int i) {
-    const gb_model *model = sim->model;
-    const int n = model->n_event_functions;
-    double *here = sim->sliding.functions, *there = here + n;
-    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, here);
-    model->event_functions(sim->par, sim->sliding.mode, gb_terms_above(sim, &sim->instant, 0), sim->y, there);
-    for (int other = 0; other < n; other++) {
-        const double limit = sim->events.hi[other] + SAME * fabs(there[other]);
-        const int opens = sim->events.role[other] == GB_CONSTRAINED && here[other] <= limit && there[other] > limit;
-        if (other != i &&
-            (opens || model->mode_at(sim->par, other, here[other]) != model->mode_at(sim->par, other, there[other]))) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-int gb_stay_on_limit(gb_sim *sim, int i) {
-    const double h = ldexp(gb_rounding(sim->head->front.t1, sim->head->front.h), 2 * (int)sim->events.flips[i]);
-    if (sim->events.role[i] != GB_ORDINARY || i >= sim->model->n_event_functions || !sim->head->options.locate ||
-        sim->head->events.n_sliding > 0 || gb_event_functions_now(sim) != GB_DONE ||
-        gb_time_terms_at(sim, sim->head->front.t1) != GB_DONE) {
-        return 0;
-    }
-    gb_mode_limits(sim);
-    const double s = sim->events.s[i];
-    const double side = fabs(s - sim->events.lo[i]) < fabs(s - sim->events.hi[i]) ? -1.0 : 1.0;
-    memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
-    sim->sliding.mode[i] = gb_far_side(sim, i, side);
-    if (!moves_alike(sim, h) || !others_agree(sim, i)) {
-        return 0;
-    }
-    gb_hold_limit(sim, i, side, sim->head->front.t1 + h);
-    gb_mode_limits(sim);
-    sim->events.armed[i] = sim->events.pending[i] = 0.0;
-    return 1;
 }
 
 int gb_count_flip_or_slide(gb_sim *sim, int i) {

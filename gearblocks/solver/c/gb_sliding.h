@@ -29,11 +29,6 @@ int gb_settle_sliding(gb_sim *sim);
 /* The first theta of the step just computed where a share leaves 0..1, if that is before `theta`; marks its switch. */
 int gb_sliding_end(gb_sim *sim, double *theta);
 
-/* Switch i stays on its limit, which is not watched for a while: a joint that is stuck holds the state
- * on a corner of its law, or the force of the joint makes up for a law that jumps, and on which side rounding puts it
- * tells the motion apart no more than a thousandth of the tolerance. Returns 0 where more depends on the side. */
-int gb_stay_on_limit(gb_sim *sim, int i);
-
 /* Counts a flip of switch i; one that goes back and forth at the front slides from here on if both sides drive it
  * back, or stays there if the sides are alike. */
 int gb_count_flip_or_slide(gb_sim *sim, int i);

@@ -164,3 +164,29 @@ def test_what_a_stuck_clutch_carries_along_is_held_with_its_drive():
         run = gb.simulate(rig, t_end=3.0, method=method)
         assert np.abs(run["a.w"] - np.minimum(run.t, 1.0)).max() < 1e-11
         assert np.abs(run["b.w"] - run["a.w"]).max() < 1e-11
+
+
+def _behind_a_one_way_clutch(load):
+    """A controller on a driven wheel, and another wheel that a one-way clutch takes along, and lets ahead beyond 0.3 N m."""
+    rig = gb.Drivetrain("one way")
+    first, second = rig.add("first", gb.Inertia(J=1.0)), rig.add("second", gb.Inertia(J=1.0))
+    clutch = rig.add("clutch", gb.OneWayClutch(capacity=0.3))
+    drive = rig.add("drive", gb.Torque(tau=gb.piecewise((5.0, gb.sense("first.w") < 2.0), (-1.0, True))))
+    rig.connect(first.a, clutch.a, drive.flange)
+    rig.connect(second.a, clutch.b, rig.add("load", gb.Torque(tau=load)).flange)
+    return gb.build(rig)
+
+
+@pytest.mark.parametrize("method", ["auto", "dp5", "rodas"])
+def test_a_clutch_that_one_side_alone_would_open_holds_by_the_mean(method):
+    """2.5 rad/s2 until 2 rad/s; the other side asks -0.5 N m of the clutch, the mean none, until the load asks 0.3 N m."""
+    load = gb.Table([0.0, 1.0, 4.0], [0.0, 0.0, 0.6])
+    run = gb.simulate(_behind_a_one_way_clutch(load), t=np.linspace(0, 3.5, 36), method=method)
+    held = (run.t > 0.85) & (run.t <= 2.5)
+    for name in ("first.w", "second.w"):
+        assert run[name][held] == pytest.approx(2.0, abs=1e-9)
+    assert run["clutch.torque"][held] == pytest.approx(-0.2 * np.maximum(run.t[held] - 1.0, 0.0), abs=1e-9)
+    assert run["first.w"][-1] == pytest.approx(2.0, abs=1e-9)
+    assert run["second.w"][-1] == pytest.approx(2.1, abs=1e-6)
+    assert [e.t for e in run.events if e.component == "clutch"][-1] == pytest.approx(2.5, abs=1e-6)
+    assert abs(run.energy.residual) < 1e-6
