@@ -203,6 +203,9 @@ int gb_apply_event(gb_sim *sim) {
     if (code == GB_DONE && head->events.n_sliding > 0) {
         code = gb_leave_at_rest(sim);
     }
+    if (code == GB_DONE && head->events.n_sliding > 0 && sim->model->n_constraints > 0) {
+        gb_stick_by_mean(sim);
+    }
     if (code == GB_DONE) {
         code = gb_settle_modes(sim, 1);
     }

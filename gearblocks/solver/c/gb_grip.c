@@ -27,9 +27,10 @@ int gb_grip_again(gb_sim *sim) {
     }
     for (int c = 0; c < model->n_constraints; c++) {
         const gb_constraint *of = &model->constraints[c];
-        sim->constraints.released[c] = of->kind == GB_FRICTION && !gb_is_active(sim, c) &&
-                                       gb_flips_at_front(sim, of->active) && sim->mode[of->slip] != 0.0 &&
-                                       fabs(sim->constraints.slip[c]) <= sim->constraints.slip_rounding[c];
+        const int met =
+            sim->events.pending[of->slip] != 0.0 || fabs(sim->constraints.slip[c]) <= sim->constraints.slip_rounding[c];
+        sim->constraints.released[c] =
+            met && of->kind == GB_FRICTION && !gb_is_active(sim, c) && sim->mode[of->slip] != 0.0;
         if (sim->constraints.released[c]) {
             sim->constraints.shrink[c] = sim->mode[of->slip];
             take(sim, c, 1.0, 0.0);

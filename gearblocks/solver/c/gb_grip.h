@@ -5,7 +5,7 @@
 
 #include "gb_internal.h"
 
-/* What has just let go and does not slip yet holds again; how many. */
+/* What does not slip, though it may, holds; how many. */
 int gb_grip_again(gb_sim *sim);
 
 /* It does not: as before the last gb_grip_again. */

@@ -55,20 +55,20 @@ static double mean_forces(gb_sim *sim, const double *y, const double *share) {
  * events. settles: what holds by the mean alone is not searched from here on. */
 static int depends(gb_sim *sim, int i, double below, double above, double largest, int settles) {
     const gb_model *model = sim->model;
-    if (fabs(above - below) <= SAME * (fabs(above) + fabs(below))) {
-        return 0;
-    }
-    const int constraint = holding(sim, i);
+    const int constraint = holding(sim, i), same = fabs(above - below) <= SAME * (fabs(above) + fabs(below));
     if (constraint >= 0 && gb_rests(sim, constraint)) {
         return 0;
     }
     if (constraint >= 0) {
-        const double mean = sim->constraints.peak[constraint], *bounds = sim->constraints.bounds + 5 * constraint;
-        if (settles && constraint < 64 && below > SAME * largest) {
+        const double *bounds = sim->constraints.bounds + 5 * constraint, mean = sim->constraints.peak[constraint];
+        const double beyond = gb_max(mean - bounds[1], bounds[0] - mean), lower = below > SAME * largest ? below : 0.0;
+        if (settles && constraint < 64 && lower > 0.0 && beyond <= 0.0) {
             sim->head->events.by_mean |= (uint64_t)1 << constraint;
         }
-        const double lower = gb_holds_by_mean(sim, constraint) ? 0.0 : below;
-        return gb_max(lower, gb_max(mean - bounds[1], bounds[0] - mean)) > SAME * largest;
+        return !same && gb_max(gb_holds_by_mean(sim, constraint) ? 0.0 : lower, beyond) > SAME * largest;
+    }
+    if (same) {
+        return 0;
     }
     if (sim->events.role[i] == GB_SILENT && sim->mode[i] < 0.5 && below <= 0.0 && above <= 0.0) {
         return 0; /* of a capacity, with its sign turned: one of 0 on one side rubs with nothing there */
@@ -219,6 +219,25 @@ int gb_leave_at_rest(gb_sim *sim) {
     }
     gb_mode_limits(sim);
     return code;
+}
+
+void gb_stick_by_mean(gb_sim *sim) {
+    const uint64_t before = sim->head->events.by_mean;
+    memcpy(sim->z, sim->y, sizeof(double) * (size_t)sim->model->n_total);
+    if (gb_grip_again(sim) == 0) {
+        return;
+    }
+    if (all_fits(sim) && sim->head->events.by_mean != before) {
+        for (int c = 0; c < sim->model->n_constraints; c++) {
+            if (sim->constraints.released[c]) {
+                sim->events.pending[sim->model->constraints[c].slip] = 0.0;
+            }
+        }
+        return;
+    }
+    sim->head->events.by_mean = before;
+    gb_let_go_again(sim);
+    memcpy(sim->y, sim->z, sizeof(double) * (size_t)sim->model->n_total);
 }
 
 int gb_settle_sliding(gb_sim *sim) {

@@ -23,6 +23,9 @@ void gb_leave_sliding(gb_sim *sim, int i, double mode);
  * with the mean, it could not be stuck. */
 int gb_leave_at_rest(gb_sim *sim);
 
+/* What comes to rest beside sliding, and would be held by the mean alone, sticks. */
+void gb_stick_by_mean(gb_sim *sim);
+
 /* Something has changed at the front: what no longer holds on its limit leaves it. */
 int gb_settle_sliding(gb_sim *sim);
 

@@ -118,15 +118,25 @@ def test_an_input_that_pulls_it_off_and_a_run_that_goes_on_from_rest():
 
 
 @pytest.mark.long
-def test_what_would_leave_the_limit_together_does_not_rest_there():
-    """A clutch between the body and another one: stuck, both would go on with what momentum they have."""
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-9])
+def test_what_would_leave_the_limit_together_rests_there_with_its_momentum_gone(rtol):
+    """A clutch between the body and another one: stuck, both would go on with what momentum they have. The swings of the
+    body shrink by one factor and so do the speeds of the other one: a series whose sum tells when both rest."""
     rig = gb.Drivetrain("positioner with a load")
     drive = gb.Torque(tau=gb.piecewise((1.0, gb.sense("body.phi") < 1.0), (-1.0, True)))
     body, load = rig.add("body", gb.Inertia(J=1.0)), rig.add("load", gb.Inertia(J=3.0))
     rig.chain(rig.add("drive", drive), body, rig.add("clutch", gb.Clutch(capacity=0.3)), load)
-    run = gb.simulate(rig, t_end=10.5)
-    assert not any(e.component.startswith("drive") and e.after == 0.5 for e in run.events)
-    assert abs(run["body.phi"][-1] - 1.0) < 1e-2
+    run = gb.simulate(rig, t=[*np.linspace(0, 12, 121), 1e6], rtol=rtol)
+    flips = [e.t for e in run.events if e.component.startswith("drive")]
+    one, two, three = flips[-6], flips[-4], flips[-2]
+    ends = three - (three - two) ** 2 / (three - 2 * two + one)
+    assert run.events[-1].component == "clutch"
+    assert run.events[-1].t == pytest.approx(ends, abs=4 * sqrt(rtol))
+    rests = run.t > ends + 0.01
+    for name in ("body.w", "load.w", "drive.torque", "clutch.torque"):
+        assert np.abs(run[name][rests]).max() < 1e-12
+    assert np.abs(run["body.phi"][rests] - 1.0).max() < 10 * rtol
+    assert run.energy.residual < 10 * rtol
 
 
 def test_a_law_that_drives_away_from_its_limit_holds_nothing():
