@@ -24,8 +24,10 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
     cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
     if code == Code.ERR_CHATTER and report.value >= _CROWD:
         cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
-    if code == Code.ERR_LOSS and report.value > 0:
+    if code == Code.ERR_LOSS and report.value == _TWO_MOTIONS:
         cause = _SEVERAL
+    elif code == Code.ERR_LOSS and report.value == _SHARED_LOAD:
+        cause, remedy = _SHARED
     massless = [
         p.path
         for p, v in zip(program.parameters, sim.parameters, strict=True)
@@ -158,6 +160,15 @@ _CROWD = 1000
 """Flips in the report of a switch without progress: more are events that follow on each other too closely (gb_run.c)."""
 
 _CROWDED = "what bounces or chatters there needs a loss, a compliance or a shorter run"
+
+_TWO_MOTIONS, _SHARED_LOAD = 2.0, 3.0
+"""Values in the report of ERR_LOSS (gb_lossy_gear.c)."""
+
+_SHARED = (
+    "it shares its load with a lock beside it, and what it loses depends on how: no even split agrees with its losses",
+    "the compliances tell how much each of them carries: put a compliant Shaft into that loop, or leave one of the two out",
+)
+"""Cause and remedy where a lossy gear and a lock tie the same shafts."""
 
 _SEVERAL = (
     "two motions agree with its losses: it drives, or it jams while it turns, as its friction grows faster than what it slows "

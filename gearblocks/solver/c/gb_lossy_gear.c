@@ -172,6 +172,20 @@ static int first_combination(gb_sim *sim) {
     return locking >= 0 ? locking : last;
 }
 
+/* A gear whose tie, or what rubs in it, shares its load with another lock, if none locks itself; or -1. */
+static int shares_its_load(const gb_sim *sim) {
+    int found = -1;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        if (is_loss(sim, i) && locks_while_it_slides(sim, i)) {
+            return -1;
+        }
+        const int shares = is_loss(sim, i) && (sim->constraints.was_redundant[i] ||
+                                               sim->constraints.was_redundant[sim->model->constraints[i].partner]);
+        found = shares ? i : found;
+    }
+    return found;
+}
+
 /* The sides that are assumed now are those of a motion. */
 static int is_a_motion(gb_sim *sim) {
     int holds = solve(sim) == GB_DONE;
@@ -192,7 +206,8 @@ static int try_every_combination(gb_sim *sim) {
             break;
         }
     }
-    return gb_fail(sim, GB_ERR_LOSS, sim->model->constraints[culprit].slip, sim->head->front.t1, 0.0);
+    const int shares = shares_its_load(sim), named = shares >= 0 ? shares : culprit;
+    return gb_fail(sim, GB_ERR_LOSS, sim->model->constraints[named].slip, sim->head->front.t1, shares >= 0 ? 3.0 : 0.0);
 }
 
 /* The sides now assumed give other accelerations of lossy gears than those in `rate`. */

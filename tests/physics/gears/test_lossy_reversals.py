@@ -203,3 +203,21 @@ def test_start_speeds_follow_through_a_lossy_gear_beside_a_planetary(place, told
     assert {name: w[name] for name in told} == pytest.approx(told, rel=1e-12)
     assert w["motor"] == pytest.approx(2.0 * w[place], rel=1e-12)
     assert w["sun"] + 2.5 * w["ring"] == pytest.approx(3.5 * w["carrier"], rel=1e-12)
+
+
+def test_a_gear_beside_a_freewheel_whose_share_no_split_tells_is_named_with_what_it_shares():
+    """Both tie the same two shafts; what the gear loses depends on what it carries, and nothing says how much that is."""
+    rig = gb.Drivetrain("beside")
+    bodies = [rig.add(name, gb.Inertia(J=1.0)) for name in ("j1", "j3", "j4")]
+    bodies.append(rig.add("j5", gb.Inertia(J=1.0, w0=1.0)))
+    first = rig.add("first", gb.LossyGear(ratio=1.0, efficiency=(0.4, 0.3)))
+    second = rig.add("second", gb.LossyGear(ratio=1.0, efficiency=(0.8, 0.8)))
+    shaft, wheel = rig.add("shaft", gb.Shaft(k=200.0)), rig.add("wheel", gb.Freewheel())
+    rig.connect(bodies[0].a, first.a, second.a, shaft.a, wheel.b)
+    rig.connect(bodies[1].a, first.b)
+    rig.connect(bodies[2].a, second.b, wheel.a, rig.add("torque", gb.Torque(tau=1.0)).flange)
+    rig.connect(bodies[3].a, shaft.b)
+    with pytest.raises(
+        gb.SimulationError, match=r"'second': it shares its load with a lock .* compliant Shaft into that loop"
+    ):
+        gb.simulate(rig, t_end=0.0625)
