@@ -63,9 +63,9 @@ static void accelerations_of_locks(gb_sim *sim, const double *time_terms, const 
     }
 }
 
-/* What locks make one moves as one: of two speeds that such a row ties, each has the noise of the other, times the
- * gain, where that is more. A body that hangs at a lock that carries nothing follows what others make of the one it
- * hangs at. */
+/* What locks make one moves as one: of two speeds that such a row ties, the one that follows has the noise of the
+ * other, times the gain, where that is more. A body that hangs at a lock that carries nothing follows what others make
+ * of the one it hangs at. */
 static void share_among_tied(const gb_sim *sim, double *noise) {
     const gb_constraint_rows *rows = sim->model->constraint_rows;
     const gb_active_set a = gb_active_at(rows, sim->mode + sim->model->n_switches);
@@ -79,9 +79,6 @@ static void share_among_tied(const gb_sim *sim, double *noise) {
             const double gain = two ? fabs(a.value[e]) : 1.0;
             if (MORE * *one < gain * *other) {
                 *one = gain * *other;
-                changed = 1;
-            } else if (MORE * gain * *other < *one) {
-                *other = *one / gain;
                 changed = 1;
             }
         }
