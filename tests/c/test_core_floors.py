@@ -10,6 +10,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_step_constraints",),
     ("gb_inputs",),
     ("gb_time_terms",),
+    ("gb_rest_share",),
     ("gb_rates",),
     (
         "gb_runge_kutta",

@@ -3,6 +3,7 @@
 #include "gb_constraints.h"
 #include "gb_force_split.h"
 #include "gb_loss.h"
+#include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_vector.h"
 
@@ -57,6 +58,11 @@ static void bounds_of(gb_sim *sim, int i) {
     const double *bounds = c->bounds + 5 * i, keep = 1.0 - c->shrink[i];
     const int broken = c->broken[i];
     c->on[i] = -1;
+    if (gb_rests(sim, i)) {
+        c->lo[i] = -HUGE_VAL;
+        c->hi[i] = HUGE_VAL;
+        return;
+    }
     if (sim->model->constraints[i].kind == GB_LOSS) {
         const gb_loss_line forward = gb_loss_on_side(bounds, sim->lossy.forward[i]),
                            backward = gb_loss_on_side(bounds, sim->lossy.backward[i]);
@@ -207,7 +213,8 @@ static int bounds_before(gb_sim *sim, int *tie_of) {
     struct gb_constraints *c = &sim->constraints;
     int gears = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
-        tie_of[i] = c->in[i] && sim->model->constraints[i].kind == GB_LOSS ? sim->model->constraints[i].partner : -1;
+        const int lossy = sim->model->constraints[i].kind == GB_LOSS && !gb_rests(sim, i);
+        tie_of[i] = c->in[i] && lossy ? sim->model->constraints[i].partner : -1;
         gears += tie_of[i] >= 0;
         if (c->in[i] && tie_of[i] < 0) {
             const int now = c->broken[i];

@@ -80,7 +80,7 @@ void gb_factor_active_set(gb_sim *sim, double *mode, const double *time_terms, c
 void gb_read_bounds(gb_sim *sim, const double *y) {
     sim->model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, y, sim->constraints.bounds);
     for (int c = 0; c < sim->model->n_constraints && sim->head->events.n_sliding > 0; c++) {
-        if (gb_rests(sim, c) || gb_holds_by_mean(sim, c)) {
+        if (sim->model->constraints[c].kind != GB_LOSS && (gb_rests(sim, c) || gb_holds_by_mean(sim, c))) {
             sim->constraints.bounds[5 * c] = -HUGE_VAL;
             sim->constraints.bounds[5 * c + 1] = HUGE_VAL;
         }

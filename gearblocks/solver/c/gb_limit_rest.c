@@ -4,6 +4,7 @@
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_report.h"
+#include "gb_rest_share.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
@@ -26,7 +27,7 @@ static int hardly_slides(gb_sim *sim, int c) {
     return fabs(sim->constraints.slip[c]) <= UNTOLD * told;
 }
 
-/* The modes with friction c stuck, and its active set, in a place that the next call overwrites. */
+/* The modes with constraint c stuck, and its active set, in a place that the next call overwrites. */
 static const double *modes_if_stuck(gb_sim *sim, int c) {
     const gb_constraint *of = &sim->model->constraints[c];
     memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
@@ -49,8 +50,8 @@ static double way_of(gb_sim *sim, int i, double *y) {
     return fabs(value[i] - sim->events.s[i]);
 }
 
-/* No motion in which friction c is stuck moves event function i: else what is stuck would leave its limit together. By
- * speeds that know nothing of each other. */
+/* No motion in which constraint c is stuck moves event function i: else what is stuck would leave its limit together.
+ * By speeds that know nothing of each other. */
 static int holds_limit(gb_sim *sim, int i, int c) {
     const gb_model *model = sim->model;
     double *y = sim->sliding.state, way[2];
@@ -93,42 +94,46 @@ static int hardly_swings(gb_sim *sim, int c, double since, double roundings) {
     return 1;
 }
 
-/* A friction, stuck, holds some mean of what is asked of it before and now; and neither of them, as they drive it to
- * either side, now against the direction of its slip (0: it is known that every mode drives it back). bounds: two at
- * each. */
-static int holds_between(double direction, const double force[2], double bounds[2][2]) {
-    const double share = gb_share_within(force, bounds[0], bounds[1]);
-    const int up = force[0] < bounds[0][0] && force[1] > bounds[1][1],
-              down = force[0] > bounds[0][1] && force[1] < bounds[1][0];
+/* Constraint c, stuck, holds some mean of what is asked of it before and now; and neither of them, as they drive it to
+ * either side, now against the direction of its slip (0: it is known that every mode drives it back). */
+static int holds_between(const gb_sim *sim, int c, double direction, const gb_held_force in[2]) {
+    double before[2], now[2];
+    gb_held_range(sim, c, in, before);
+    gb_held_range(sim, c, in + 1, now);
+    const double share = gb_rest_share(sim, c, in);
+    const int up = in[0].force < before[0] && in[1].force > now[1],
+              down = in[0].force > before[1] && in[1].force < now[0];
     return (direction == 0.0 || (direction > 0.0 ? up : down)) && share >= 0.0 && share <= 1.0;
 }
 
-/* Forces of friction c, as if stuck, and their bounds, in the modes at hand. */
-static double force_if_stuck(gb_sim *sim, double *mode, const double *terms, int c, double bounds[2]) {
-    const gb_model *model = sim->model;
-    const gb_constraint *of = &model->constraints[c];
+/* The force of constraint c, as if stuck, in the modes at hand. */
+static gb_held_force force_if_stuck(gb_sim *sim, double *mode, const double *terms, int c) {
+    const gb_constraint *of = &sim->model->constraints[c];
     const double active = mode[of->active], direction = mode[of->slip];
-    struct gb_constraints *own = &sim->constraints;
     mode[of->active] = 1.0;
     mode[of->slip] = 0.0;
-    const double *full = gb_modes_with_active_set(sim, mode, terms, sim->y);
-    model->force_bounds(sim->par, full, terms, sim->y, own->bounds);
-    model->constraint_forces(sim->par, full, terms, sim->y, own->lo, own->right);
-    memcpy(bounds, own->bounds + 5 * c, 2 * sizeof(double));
+    const gb_held_force in =
+        gb_held_force_in(sim, gb_modes_with_active_set(sim, mode, terms, sim->y), terms, sim->y, c);
     mode[of->active] = active;
     mode[of->slip] = direction;
-    return own->lo[c];
+    return in;
 }
 
-/* Whether friction c, which slips in a direction (0: any), and the switch i, which was in the mode `before`, rest
+/* Whether constraint c, which slips in a direction (0: any), and the switch i, which was in the mode `before`, rest
  * together. */
 static int rest_together(gb_sim *sim, int i, double before, int c, double direction) {
-    double force[2], bounds[2][2], *other = sim->sliding.mode;
-    force[1] = force_if_stuck(sim, sim->mode, sim->instant.time_terms, c, bounds[1]);
+    gb_held_force in[2];
+    double *other = sim->sliding.mode;
+    in[1] = force_if_stuck(sim, sim->mode, sim->instant.time_terms, c);
     memcpy(other, sim->mode, sizeof(double) * sim->unlocated.n_carried);
     other[i] = before;
-    force[0] = force_if_stuck(sim, other, gb_terms_above(sim, &sim->instant, 0), c, bounds[0]);
-    return holds_between(direction, force, bounds);
+    in[0] = force_if_stuck(sim, other, gb_terms_above(sim, &sim->instant, 0), c);
+    return holds_between(sim, c, direction, in);
+}
+
+/* A friction, or the losses of a gear. */
+static int can_hold(const gb_model *model, int c) {
+    return model->constraints[c].kind == GB_FRICTION || model->constraints[c].kind == GB_LOSS;
 }
 
 /* Both are at rest from here on. */
@@ -171,7 +176,7 @@ int gb_come_to_rest(gb_sim *sim, int i, double since) {
     gb_slips_now(sim);
     for (int c = 0; c < model->n_constraints; c++) {
         const double direction = since > 0.0 ? sim->mode[model->constraints[c].slip] : 0.0;
-        if (model->constraints[c].kind == GB_FRICTION && !gb_is_active(sim, c) && (since == 0.0 || direction != 0.0) &&
+        if (can_hold(model, c) && !gb_is_active(sim, c) && (since == 0.0 || direction != 0.0) &&
             (hardly_slides(sim, c) || hardly_swings(sim, c, since, roundings)) &&
             rest_together(sim, i, before, c, direction) && holds_limit(sim, i, c)) {
             return rest(sim, i, before, c);

@@ -3,6 +3,7 @@
 #include "gb_constraint_state.h"
 #include "gb_constraints.h"
 #include "gb_loss.h"
+#include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_vector.h"
 
@@ -97,7 +98,7 @@ static int holds_true(gb_sim *sim, int i) {
     const double *losses = losses_of(sim, i), tie = sim->constraints.force[j], force = sim->constraints.force[i];
     const double direction = sim->mode[sim->model->constraints[i].slip];
     if (sim->constraints.decision[i] == GB_CANDIDATE) {
-        return gb_loss_excess(losses, tie, force) <= 1e-10 * (fabs(force) + fabs(tie));
+        return gb_rests(sim, i) || gb_loss_excess(losses, tie, force) <= 1e-10 * (fabs(force) + fabs(tie));
     }
     double size;
     gb_slip_acceleration(sim, j, &size);

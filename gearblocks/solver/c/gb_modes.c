@@ -26,17 +26,21 @@ void gb_set_mode(gb_sim *sim, int i, double mode, int log) {
     sim->mode[i] = mode;
 }
 
+static void watch_not(gb_sim *sim, int i) {
+    sim->events.lo[i] = -HUGE_VAL;
+    sim->events.hi[i] = HUGE_VAL;
+}
+
 void gb_mode_limits(gb_sim *sim) {
     sim->model->mode_limits(sim->par, sim->mode, sim->events.lo, sim->events.hi);
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        sim->events.lo[sim->head->events.sliding[j]] = -HUGE_VAL;
-        sim->events.hi[sim->head->events.sliding[j]] = HUGE_VAL;
+        watch_not(sim, sim->head->events.sliding[j]);
     }
     for (int c = 0; c < sim->model->n_constraints && sim->head->events.n_sliding > 0; c++) {
-        const int held = gb_rests(sim, c) || gb_holds_by_mean(sim, c) ? sim->model->constraints[c].active : -1;
-        if (held >= 0) {
-            sim->events.lo[held] = -HUGE_VAL;
-            sim->events.hi[held] = HUGE_VAL;
+        const gb_constraint *of = &sim->model->constraints[c];
+        if (gb_rests(sim, c) || gb_holds_by_mean(sim, c)) {
+            watch_not(sim, of->active);
+            watch_not(sim, of->kind == GB_LOSS ? sim->model->constraints[of->partner].slip : of->active);
         }
     }
     for (int i = 0; i < sim->model->n_event_functions && sim->head->events.held_until < HUGE_VAL; i++) {

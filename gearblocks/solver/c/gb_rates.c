@@ -1,4 +1,5 @@
 #include "gb_rates.h"
+#include "gb_rest_share.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
@@ -164,43 +165,18 @@ static int solve(int n, double a[GB_SLIDING][GB_SLIDING], double *b) {
     return 1;
 }
 
-double gb_share_within(const double force[2], const double *bounds, const double *bounds_above) {
-    double least = -HUGE_VAL, most = HUGE_VAL;
-    for (int upper = 0; upper < 2; upper++) { /* room = at + share slope >= 0 */
-        const double sign = upper ? -1.0 : 1.0, at = sign * (force[0] - bounds[upper]),
-                     slope = sign * (force[1] - bounds_above[upper]) - at;
-        if (slope == 0.0 && at < 0.0) {
-            return 2.0;
-        }
-        if (slope > 0.0) {
-            least = gb_max(least, -at / slope);
-        } else if (slope < 0.0) {
-            most = gb_min(most, -at / slope);
-        }
-    }
-    return least > most ? least : gb_min(gb_max(0.5, least), most); /* bounds that cross lie beyond the ends */
-}
-
 /* Of those that rest, by the forces of what rests on them; of the others at their shares. */
 static void resting_shares(gb_sim *sim, const gb_lanes *at, int lane, const double *y, double *share) {
-    const gb_model *model = sim->model;
-    struct gb_constraints *c = &sim->constraints;
     const int *resting = sim->head->events.resting;
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
         if (resting[j] < 0) {
             continue;
         }
-        double bounds[2], force[2];
-        model->force_bounds(sim->par, sim->mode, at->time_terms + lane, y, c->bounds);
-        model->constraint_forces(sim->par, sim->mode, at->time_terms + lane, y, c->lo, c->right);
-        memcpy(bounds, c->bounds + 5 * resting[j], sizeof bounds);
-        force[0] = c->lo[resting[j]];
+        gb_held_force in[2];
+        in[0] = gb_held_force_in(sim, sim->mode, at->time_terms + lane, y, resting[j]);
         gb_set_above(sim, 1 << j);
-        const double *terms = gb_terms_above(sim, at, lane);
-        model->force_bounds(sim->par, sim->sliding.mode, terms, y, c->bounds);
-        model->constraint_forces(sim->par, sim->sliding.mode, terms, y, c->lo, c->right);
-        force[1] = c->lo[resting[j]];
-        share[j] = gb_share_within(force, bounds, c->bounds + 5 * resting[j]);
+        in[1] = gb_held_force_in(sim, sim->sliding.mode, gb_terms_above(sim, at, lane), y, resting[j]);
+        share[j] = gb_rest_share(sim, resting[j], in);
     }
 }
 

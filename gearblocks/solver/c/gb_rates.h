@@ -3,8 +3,8 @@
  *     y' = f_a + sum_j share_j (f_j - f_a),   with shares so that every s_j' = 0
  * f_a: the rates with every such switch below its limit, f_j: with the j-th above. A switch that slides keeps the mode
  * below in `mode`; recorded rows hold that mode plus its share.
- * Where a friction rests on such a limit (gb_limit_rest.h) the rates are alike on both sides, as it holds what either
- * asks of it; the share is one of those by which the mean is within its bounds: a half, or the nearest to that.
+ * Where a friction or a lossy gear rests on such a limit (gb_limit_rest.h) the rates are alike on both sides, as it
+ * holds what either asks of it; the share is one of those by which it holds the mean (gb_rest_share.h).
  * Knows nothing of when a switch begins to slide, of methods and of steps. */
 #ifndef GB_RATES_H
 #define GB_RATES_H
@@ -36,7 +36,7 @@ static inline int gb_holds_by_mean(const gb_sim *sim, int c) {
 /* Whether switch i slides. */
 int gb_slides(const gb_sim *sim, int i);
 
-/* Whether friction c rests on the limit of one that slides. */
+/* Whether constraint c, a friction or a lossy gear, rests on the limit of one that slides. */
 static inline int gb_rests(const gb_sim *sim, int c) {
     int j = 0;
     while (j < sim->head->events.n_sliding && sim->head->events.resting[j] != c) {
@@ -44,10 +44,6 @@ static inline int gb_rests(const gb_sim *sim, int c) {
     }
     return j < sim->head->events.n_sliding;
 }
-
-/* The share of forces `below` and `above` by which their mean is within bounds that are `bounds` below and
- * `bounds_above` above: a half, or the nearest to that; beyond its ends where none is. */
-double gb_share_within(const double force[2], const double *bounds, const double *bounds_above);
 
 /* How fast the event functions of those that slide change along rates f, by differences at so many times f, and at so
  * many s later. */

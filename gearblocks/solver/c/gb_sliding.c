@@ -29,6 +29,17 @@ static int holding(const gb_sim *sim, int i) {
     return (kind == GB_FRICTION || kind == GB_STOP) && gb_is_active(sim, c) ? c : -1;
 }
 
+/* Event function i tells of what rests on a limit: its force, and that of the tie of a lossy gear. */
+static int is_of_rest(const gb_sim *sim, int i) {
+    int found = 0;
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        const int c = sim->head->events.resting[j];
+        const gb_constraint *of = c >= 0 ? sim->model->constraints + c : NULL;
+        found |= of && (i == of->active || (of->kind == GB_LOSS && i == sim->model->constraints[of->partner].slip));
+    }
+    return found;
+}
+
 /* Constraint forces by the mean of both sides, into constraints.peak, and their bounds; returns the largest of the
  * terms of which any is made: rounding goes on from one to the next. */
 static double mean_forces(gb_sim *sim, const double *y, const double *share) {
@@ -56,7 +67,7 @@ static double mean_forces(gb_sim *sim, const double *y, const double *share) {
 static int depends(gb_sim *sim, int i, double below, double above, double largest, int settles) {
     const gb_model *model = sim->model;
     const int constraint = holding(sim, i), same = fabs(above - below) <= SAME * (fabs(above) + fabs(below));
-    if (constraint >= 0 && gb_rests(sim, constraint)) {
+    if (is_of_rest(sim, i)) {
         return 0;
     }
     if (constraint >= 0) {
