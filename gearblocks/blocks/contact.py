@@ -235,7 +235,7 @@ def _impact(law: Contact, elastic: Any, side: Any) -> Generator[Contribution, No
     yield Switch("pushing", factor, when=side**2)
     approaching = 1 - sp.Heaviside(-inward, 1)
     slowness = 1 / inward if s.reading else approaching / (approaching * inward + 1 - approaching)
-    yield Hold(s.slowness, slowness, side)
+    yield Hold(s.slowness, slowness, side, inverse_speed=True)
     return elastic * (sp.Heaviside(factor, 1) * factor - 1)
 
 

@@ -57,6 +57,7 @@ class Generator:
     force_switches: list[int] = field(default_factory=list)
     bands: list[Band] = field(default_factory=list)
     features: list[bool] = field(default_factory=list)
+    inverse_speeds: list[tuple[int, int]] = field(default_factory=list)
     n_affine: int = 0
     n_surfaces: int = 0
     inverse_mass: int = 0

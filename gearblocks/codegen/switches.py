@@ -6,6 +6,8 @@ Knows nothing of how crossings are located.
 
 from __future__ import annotations
 
+from typing import Any
+
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.feedback import reads_motion
 from gearblocks.codegen.generator import Generator
@@ -38,6 +40,12 @@ def lay_out_switches(g: Generator) -> None:
             g.n_surfaces = at
 
 
+def _modes(code: BatchCode, expr: Any) -> set[int]:
+    """Numbers of the switches whose modes it reads."""
+    roles = code.law.pool.roles
+    return {roles[x].of.number for x in expr.free_symbols if roles[x].role == "mode"}
+
+
 def event_functions(g: Generator, code: BatchCode) -> None:
     """Functions of a batch for its event functions, their linear parts, states of Hold and limits."""
     values: list[Assignment] = []
@@ -64,6 +72,11 @@ def event_functions(g: Generator, code: BatchCode) -> None:
         for state, expr in code.holds
     ]
     g.keep("update_states", code.function("update_states", states))
+    for state, _value, when in code.law.holds:
+        if state in code.law.inverse_speeds:
+            switch = code.offsets.switches[min(_modes(code, when))]
+            first = g.lay.state0[code.number, state]
+            g.inverse_speeds += [(first + e, switch + e) for e in range(code.n)]
     features: list[Assignment] = []
     for argument, bounded in code.features:
         if reads_motion(g, code, argument):  # known behind the torques alone

@@ -85,6 +85,7 @@ def derive(
     law.rates = {pool.roles[r.state].of: sp.sympify(r.expr) for r in found[Rate]}
     law.starts = {pool.roles[x.state].of: sp.sympify(x.value) for x in found[Start]}
     law.holds = [(pool.roles[h.state].of, sp.sympify(h.value), sp.sympify(h.when)) for h in found[Hold]]
+    law.inverse_speeds = {pool.roles[h.state].of for h in found[Hold] if h.inverse_speed}
     law.rates |= {state: sp.Integer(0) for state, _, _ in law.holds}
     for tie in found[Tie]:
         zero = _relation(law, tie, flanges, inverted)

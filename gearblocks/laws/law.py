@@ -47,11 +47,11 @@ class Law:
 
     forms: relative coordinates of the law as linear forms; coordinates: their symbols. bodies: (flange, inertia). ties:
     rigid constraints, (coefficients by flange, constant). prescribed: prescribed motions. forces: symbols of generalised
-    forces along linear forms and what they are. torques: by flange, over the forces. rates, starts: by state. holds:
-    (state, value, when). supplied: stored' + loss + power into the flanges. constraint_loss: power lost that reads constraint
-    forces. switches: event functions. constraints: switched constraints. replaced: angles by what they are in coordinates.
-    invertible: the other flange that the nonlinear relation could be solved for, where it has one. heat: the state that counts
-    what is lost, where it heats a thermal mass.
+    forces along linear forms and what they are. torques: by flange, over the forces. rates, starts: by state. holds: (state,
+    value, when), inverse_speeds: those of them that are one over a speed. supplied: stored' + loss + power into the flanges.
+    constraint_loss: power lost that reads constraint forces. switches: event functions. constraints: switched constraints.
+    replaced: angles by what they are in coordinates. invertible: the other flange that the nonlinear relation could be solved
+    for, where it has one. heat: the state that counts what is lost, where it heats a thermal mass.
     """
 
     pool: Pool
@@ -65,6 +65,7 @@ class Law:
     torques: dict[str, Any] = field(default_factory=dict)
     rates: dict[str, Any] = field(default_factory=dict)
     holds: list[tuple[str, Any, Any]] = field(default_factory=list)
+    inverse_speeds: set[str] = field(default_factory=set)
     stored: Any = None
     loss: Any = None
     supplied: Any = None

@@ -1,7 +1,9 @@
 #include "gb_event.h"
+#include "gb_constraint_state.h"
 #include "gb_constraint_switching.h"
 #include "gb_evaluate.h"
 #include "gb_inputs.h"
+#include "gb_limit_noise.h"
 #include "gb_mode_search.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
@@ -155,12 +157,67 @@ static void recall_step(gb_sim *sim) {
     }
 }
 
-int gb_update_states(gb_sim *sim) {
-    const int code = gb_time_terms_at(sim, sim->head->front.t1);
-    if (code == GB_DONE) {
-        sim->model->update_states(sim->par, sim->events.mode_before, sim->mode, sim->instant.time_terms, sim->y);
+/* Of the largest speed: none but rounding; of the speed at which a contact begins: that of a body that was at rest. */
+static const double NO_SPEED = 1e-12, AT_REST = 1e-3;
+
+/* The inverse speeds of contacts that would begin at the start of the step, there or back, whichever is slower; 0: at
+ * rest. */
+static void inverses_at_start(gb_sim *sim, double *inverse) {
+    const gb_model *model = sim->model;
+    double *y = sim->sliding.rates;
+    memset(inverse, 0, sizeof(double) * (size_t)model->n);
+    for (int back = 0; back <= 1; back++) {
+        memcpy(y, sim->y0, sizeof(double) * (size_t)model->n);
+        for (int i = model->n - model->n_speeds; i < model->n && back; i++) {
+            y[i] = -y[i];
+        }
+        model->update_states(sim->par, sim->events.mode_before, sim->mode, sim->instant.time_terms, y);
+        for (int k = 0; k < model->n_inverse_speeds; k++) {
+            const int j = model->inverse_speeds[k];
+            inverse[j] = gb_max(inverse[j], fabs(y[j]));
+        }
     }
-    return code;
+}
+
+/* Contacts that began from rest on their corner: their gap is there at the start of the step too, at rest, and where
+ * the step has left it is told no better than its dense output does. The inverse of the speed there would damp the
+ * contact for ever. before: the states before they were set. */
+static void forget_starts_from_rest(gb_sim *sim, const double *before) {
+    const gb_model *model = sim->model;
+    const double *time_terms = sim->instant.time_terms;
+    const double largest = gb_max(gb_largest_speed(sim, sim->control.largest), gb_largest_speed(sim, sim->y));
+    double *inverse = sim->sliding.rates + 2 * model->n_total;
+    const int stepped = sim->head->front.h > 0.0;
+    if (stepped) {
+        inverses_at_start(sim, inverse);
+        model->event_functions(sim->par, sim->mode, time_terms, sim->y, sim->sliding.functions);
+    }
+    for (int k = 0; k < model->n_inverse_speeds; k++) {
+        const int j = model->inverse_speeds[k], i = model->inverse_speed_switches[k];
+        const double set = fabs(sim->y[j]), moved = sim->events.s0[i] - sim->sliding.functions[i];
+        if (sim->y[j] == before[j] || set == 0.0) {
+            continue;
+        }
+        const int rests = stepped && (inverse[j] == 0.0 || inverse[j] * AT_REST > set);
+        if (set * NO_SPEED * largest >= 1.0 || (rests && gb_is_noise(sim, i, moved, time_terms, sim->y, sim->y0))) {
+            sim->y[j] = 0.0;
+        }
+    }
+}
+
+int gb_update_states(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int code = gb_time_terms_at(sim, sim->head->front.t1);
+    double *before = sim->sliding.rates + model->n_total;
+    if (code != GB_DONE) {
+        return code;
+    }
+    memcpy(before, sim->y, sizeof(double) * (size_t)model->n);
+    model->update_states(sim->par, sim->events.mode_before, sim->mode, sim->instant.time_terms, sim->y);
+    if (memcmp(before, sim->y, sizeof(double) * (size_t)model->n) != 0) {
+        forget_starts_from_rest(sim, before);
+    }
+    return GB_DONE;
 }
 
 /* How many frictions rest on limits; one more where the mean of sides that slide holds constraints. */

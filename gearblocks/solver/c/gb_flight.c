@@ -29,11 +29,16 @@ static int is_nothing(gb_sim *sim, int i, double duration, double height, double
  * grows: they become lower and as many more. Such a speed and height are less than what the tolerance admits of both
  * sides of the stop: the run cannot tell them from rest, nor in which of the flights it is. After N of them it cannot
  * tell the latter of N times that speed either, and takes rest where their energy is less than the tolerance too; of
- * those that do not fade, and have an end with the run, only where that would be far. */
+ * those that do not fade, and have an end with the run, only where that would be far. Sides that have hardly moved have
+ * tolerances as small: after as many impacts as count where they fade, what is less than that of the fastest in the
+ * train is rest too. */
 static int cannot_be_told(gb_sim *sim, int i, double speed, double height, double restitution) {
     const double impacts = sim->constraints.impacts[i], slow = gb_min(impacts, 1.0 / sqrt(sim->head->options.rtol));
     const int many = impacts >= (speed < FADED * sim->constraints.impact_speed[2 * i + 1] ? FADING : MANY);
-    return restitution * restitution > MOST_KEPT && speed <= (many ? slow : 1.0) * gb_tolerance_of_slip(sim, i) &&
+    const double fastest = sim->head->options.rtol * gb_largest_speed(sim, sim->control.largest);
+    const double of_train = impacts >= FADING ? fastest * sim->constraints.row_size[i] : 0.0;
+    return restitution * restitution > MOST_KEPT &&
+           speed <= (many ? slow : 1.0) * gb_max(of_train, gb_tolerance_of_slip(sim, i)) &&
            height <= gb_tolerance_of(sim, sim->model->constraints[i].slip);
 }
 

@@ -122,18 +122,31 @@ static void leave_out(gb_sim *sim, int *left) {
     *left += any;
 }
 
+/* Of the rounding of a slip: an impact that is no larger changes nothing that a lock holds. */
+static const double TINY = 16.0;
+
+/* Lock i is bounded and holds. */
+static int holds(const gb_sim *sim, int i) {
+    return sim->model->constraints[i].kind == GB_FRICTION && !gb_is_unbounded(sim, i) && gb_is_active(sim, i);
+}
+
 /* What takes part where flights on a stop end as the slip of a lock does: each would throw the other off by a part of
- * what is left, in a cascade of both that nothing is seen of. They come to rest as one. */
+ * what is left, in a cascade of both that nothing is seen of. They come to rest as one. So do locks that hold where
+ * what is left of the flight is rounding: they would give back the speed that the stop takes, at one instant for ever.
+ */
 static void end_together(gb_sim *sim) {
     double *b = sim->constraints.right;
-    int ends = 0;
+    int ends = 0, any = 0, large = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
-        const double slip = sim->constraints.slip[i];
-        ends |= sim->constraints.in[i] && gb_is_stop(sim, i) && sim->constraints.bounds[5 * i + 2] > 0.0 &&
-                slip < -sim->constraints.slip_rounding[i] && b[i] == slip;
+        const double slip = sim->constraints.slip[i], rounding = sim->constraints.slip_rounding[i];
+        if (sim->constraints.in[i] && gb_is_stop(sim, i) && slip < -rounding) {
+            ends |= sim->constraints.bounds[5 * i + 2] > 0.0 && b[i] == slip;
+            any = 1;
+            large |= slip < -TINY * rounding;
+        }
     }
-    for (int i = 0; i < sim->model->n_constraints && ends; i++) {
-        if (!sim->constraints.in[i] && ends_slip(sim, i)) {
+    for (int i = 0; i < sim->model->n_constraints && any; i++) {
+        if (!sim->constraints.in[i] && ((ends && ends_slip(sim, i)) || (!large && holds(sim, i)))) {
             sim->constraints.in[i] = 1;
             sim->constraints.lo[i] = -HUGE_VAL;
             sim->constraints.hi[i] = HUGE_VAL;

@@ -262,6 +262,7 @@ static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b
     const int n = lcp->A.n;
     double left[n + 1], least[n + 1], most[n + 1], step[n + 1], size = 0.0;
     for (int i = 0; i < n; i++) {
+        left[i] = least[i] = most[i] = 0.0;
         if (lcp->in[i]) {
             left[i] = b[i] + gb_delassus_product(&lcp->A, i, x, &size);
             least[i] = lo[i] + gb_lcp_shift(lcp->coupled, i, -1, x) - x[i];
@@ -323,6 +324,9 @@ static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double 
             moved = fmax(moved, fabs(x[i] - before[i]));
             largest = fmax(largest, fabs(x[i]));
         }
+    }
+    if (!graded) { /* elimination leaves the rounding of a matrix that is nearly singular in the equations */
+        gb_lcp_correct(lcp, lift, b, lo, hi, x);
     }
     return 1;
 }

@@ -3,6 +3,7 @@
 #include "gb_enclosed_limit.h"
 #include "gb_event_values.h"
 #include "gb_force_enclosure.h"
+#include "gb_force_noise.h"
 #include "gb_limit_noise.h"
 #include "gb_modes.h"
 #include "gb_panel.h"
@@ -182,15 +183,19 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
 
-/* Event function i stands on its limit wherever it is looked at, but for what the enclosure cannot tell (a constraint
- * force, of which nothing is asked as long as a clipped contact lets go: exactly): at the start, at both ends of the
- * piece and at the end of the step, where it is `end`. A crossing is off it at one of them. */
+/* Event function i stands on its limit wherever it is looked at, but for what the enclosure cannot tell (of a
+ * constraint force, of which nothing is asked as long as a clipped contact lets go: but for its noise): at the start,
+ * at both ends of the piece and at the end of the step, where it is `end`. A crossing is off it at one of them. */
 static int stands(gb_sim *sim, int i, double end) {
     const gb_enclosure *g = &sim->panel.enclosure[i];
+    const double *time_terms = sim->lanes.time_terms + sim->method->stages;
+    double told = g->hi - g->lo, force = 0.0;
+    if (sim->events.role[i] != GB_ORDINARY) {
+        told = gb_min(told, gb_force_noise(sim, i, time_terms, sim->z, &force));
+    }
     const double start = sim->events.s0[i], lo = sim->events.lo[i], hi = sim->events.hi[i];
     const double limit = start - lo < hi - start ? lo : hi, far = gb_max(fabs(start - limit), fabs(end - limit));
-    const double width = sim->events.role[i] == GB_ORDINARY ? g->hi - g->lo : 0.0;
-    return far <= width && fabs(sim->panel.left[i] - limit) <= width && fabs(sim->panel.right[i] - limit) <= width;
+    return far <= told && fabs(sim->panel.left[i] - limit) <= told && fabs(sim->panel.right[i] - limit) <= told;
 }
 
 /* How finely event functions are told at all, after many open pieces: their width over hardly any time. One that has no

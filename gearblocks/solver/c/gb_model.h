@@ -146,9 +146,11 @@ typedef struct gb_model {
     double (*mode_at)(const double *par, int i, double s);
 
     /* Changes the states of blocks that take a new value as the modes go from `before` to `mode` (NULL: there are
-     * none). */
+     * none). n_inverse_speeds of them are one over a speed, set by a switch. */
     void (*update_states)(const double *par, const double *before, const double *mode, const double *time_terms,
                           double *y);
+    int n_inverse_speeds;
+    const int *inverse_speeds, *inverse_speed_switches;
 
     /* Narrow features: arguments x of functions that are flat but for a part of their range, in widths of that part;
      * bounded: flat where abs(x) is large, else they go on periodically (n_features 0: there are none). */

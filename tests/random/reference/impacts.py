@@ -86,6 +86,7 @@ class Impacts:
             one += [(way * d.row, 0.0, -1) for way in {math.copysign(1.0, m.scale) for m in locks_of}]
         if not hit:
             return self._settled(t, y, 1e-15) if self.still > 1 else y
+        self._refuse_hair_gaps(q, v)
         self.left += bool(leaving)
         locks = len(both)
         both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
@@ -106,6 +107,14 @@ class Impacts:
         y = self._settled(t, y, 1e-13) if died else y  # what its end throws off its stop
         self.note(y)
         return y
+
+    def _refuse_hair_gaps(self, q: Array, v: Array) -> None:
+        """What a cascade left of speeds that count as none opens stops by next to nothing until something strikes there: as
+        if they touched, or one after the other, nobody here can tell."""
+        for stop in self.s.stops:
+            gap, unit = float(stop.row @ q) - stop.bound, 1e-10 * max(1.0, abs(stop.bound))
+            if unit < gap < 1e3 * unit and abs(float(stop.row @ v)) <= 10 * self.small():
+                raise NoEvidenceError("a strike beside a stop that is hardly open")
 
     def _heated(self, y: Array, before: Array, v: Array, one: list[tuple[Array, float, int]], locks: int) -> Array:
         """What an impact loses goes into the stop that was struck; where there are several nobody tells which."""

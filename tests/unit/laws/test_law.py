@@ -42,6 +42,7 @@ def test_every_member_of_a_law_that_holds_expressions_is_a_part_of_its_traversal
         "replaced",
         "invertible",
         "heat",
+        "inverse_speeds",
     }
 
 
