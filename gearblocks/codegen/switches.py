@@ -73,8 +73,9 @@ def event_functions(g: Generator, code: BatchCode) -> None:
     ]
     g.keep("update_states", code.function("update_states", states))
     for state, _value, when in code.law.holds:
-        if state in code.law.inverse_speeds:
-            switch = code.offsets.switches[min(_modes(code, when))]
+        modes = _modes(code, when)
+        if state in code.law.inverse_speeds and modes:  # a contact that has become rigid has none
+            switch = code.offsets.switches[min(modes)]
             first = g.lay.state0[code.number, state]
             g.inverse_speeds += [(first + e, switch + e) for e in range(code.n)]
     features: list[Assignment] = []
