@@ -261,8 +261,10 @@ static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b
                                  double *x) {
     const int n = lcp->A.n;
     double left[n + 1], least[n + 1], most[n + 1], step[n + 1], size = 0.0;
+    memset(left, 0, sizeof left);
+    memset(least, 0, sizeof least);
+    memset(most, 0, sizeof most);
     for (int i = 0; i < n; i++) {
-        left[i] = least[i] = most[i] = 0.0;
         if (lcp->in[i]) {
             left[i] = b[i] + gb_delassus_product(&lcp->A, i, x, &size);
             least[i] = lo[i] + gb_lcp_shift(lcp->coupled, i, -1, x) - x[i];
