@@ -24,6 +24,10 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
     cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
     if code == Code.ERR_CHATTER and report.value >= _CROWD:
         cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
+    if code == Code.ERR_CHATTER and report.value < 0:
+        switch = program.switches[report.index].name
+        cause = f"{-report.value:.0f} swings of its {switch} about its limit, too narrow to be told, come to no rest"
+        remedy = _NARROW
     if code == Code.ERR_LOSS and report.value == _TWO_MOTIONS:
         cause = _SEVERAL
     elif code == Code.ERR_LOSS and report.value == _SHARED_LOAD:
@@ -160,6 +164,11 @@ _CROWD = 1000
 """Flips in the report of a switch without progress: more are events that follow on each other too closely (gb_run.c)."""
 
 _CROWDED = "what bounces or chatters there needs a loss, a compliance or a shorter run"
+
+_NARROW = (
+    "its law jumps there against the motion: give the jump a width (a steep line), or beside a jump over an angle take an "
+    "element that sticks (Brake, BearingFriction)"
+)
 
 _TWO_MOTIONS, _SHARED_LOAD = 2.0, 3.0
 """Values in the report of ERR_LOSS (gb_lossy_gear.c)."""

@@ -44,6 +44,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ),
     ("gb_dense_output", "gb_constraint_switching", "gb_limit_rest", "gb_limit_hold", "gb_limit_stay", "gb_grip"),
     ("gb_sliding", "gb_sliding_outputs", "gb_event_values", "gb_features"),
+    ("gb_swings",),
     ("gb_locate_sampled", "gb_event", "gb_panel", "gb_force_enclosure", "gb_ledger", "gb_rounding_motion", "gb_defect"),
     ("gb_enclosed_limit",),
     ("gb_locate_enclosed", "gb_departure", "gb_departed", "gb_drift", "gb_cut"),

@@ -279,7 +279,7 @@ static int hold_trapped(gb_sim *sim) {
     if (sim->events.role[last] == GB_CONSTRAINED) { /* constraints have a limit of flips of their own */
         return GB_DONE;
     }
-    return gb_slide(sim, last) || gb_come_to_rest(sim, last, 0.0) || gb_hold(sim, last, 0.0)
+    return gb_slide(sim, last) || gb_come_to_rest(sim, last, 0.0, 0) || gb_hold(sim, last, 0.0)
                ? GB_DONE
                : gb_fail(sim, GB_ERR_CHATTER, last, sim->head->front.t1, ROUNDS);
 }

@@ -10,6 +10,7 @@
 #include "gb_reach.h"
 #include "gb_report.h"
 #include "gb_sliding.h"
+#include "gb_swings.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 

@@ -216,14 +216,14 @@ typedef struct gb_lanes {
     double *t, *u, *time_terms;
 } gb_lanes;
 
-/* Events, by switch. In the block: up to `held_side`. */
+/* Events, by switch. In the block: up to `swings`. */
 struct gb_events {
     double *lo, *hi;
-    double *armed;                     /* -1 or 1: it has just flipped and is watched from its lower or upper limit */
-    double *pending, *next_mode;       /* pending != 0: it flips at the front, into next_mode */
-    double *next_time;                 /* time switches: when they leave their mode (into next_mode) */
-    double *flip_time, *flips;         /* the last flip, and how many without progress */
-    double *held, *held_side;          /* until when a limit (-1 lower, 1 upper) is not watched: see gb_departure.h */
+    double *armed;               /* -1 or 1: it has just flipped and is watched from its lower or upper limit */
+    double *pending, *next_mode; /* pending != 0: it flips at the front, into next_mode */
+    double *next_time;           /* time switches: when they leave their mode (into next_mode) */
+    double *flip_time, *flips;   /* the last flip, and how many without progress */
+    double *held, *held_side, *shortest, *shortest_at, *swings; /* see gb_departure.h and gb_swings.h */
     double *defect;                    /* slopes of a dense polynomial and rates there, by state */
     int *role;                         /* who decides about its mode */
     double *mode_before;               /* modes before an event */

@@ -10,9 +10,10 @@
 
 static const double UNTOLD = 1e-3;                 /* of the tolerance: the speeds of swings that are taken for none */
 static const double MOMENT = 1e-3, NOTHING = 1e-9; /* how long coordinates follow test speeds; of their way */
-static const double NARROW = 1e-4;                 /* of the tolerance: swings that are taken for none */
-static const double ROUNDINGS = 4096.0;            /* of the coordinates: swings that are taken for none */
-static const double SHORT = 1e-3;                  /* of the largest step: flips that are looked at */
+/* Swings that are taken for none, in parts of the tolerance and in roundings of the coordinates: ever shorter ones, and
+ * those that rounding keeps up. */
+static const double NARROW[2] = {1e-4, 1e-1}, ROUNDINGS[2] = {4096.0, 262144.0};
+static const double SHORT = 1e-3; /* of the largest step: flips that are looked at */
 
 /* What it slides by is nothing in each of its speeds. */
 static int hardly_slides(gb_sim *sim, int c) {
@@ -73,7 +74,7 @@ static int holds_limit(gb_sim *sim, int i, int c) {
 }
 
 /* What its slip has moved since the last flip is nothing in each coordinate, or a few roundings. */
-static int hardly_swings(gb_sim *sim, int c, double since, double roundings) {
+static int hardly_swings(gb_sim *sim, int c, double since, double part, double roundings) {
     const gb_model *model = sim->model;
     double *now = sim->sliding.rates, *stuck = now + model->n_total, *y = sim->sliding.state;
     if (!(since <= SHORT * sim->head->control.h_largest)) {
@@ -86,7 +87,7 @@ static int hardly_swings(gb_sim *sim, int c, double since, double roundings) {
     model->rhs(sim->par, sim->mode, terms, y, stuck);
     for (int j = 0; j < model->n - model->n_speeds; j++) {
         const double width = since * fabs(now[j] - stuck[j]), weight = sim->control.error_weight[j];
-        const int told = !(weight > 0.0) || width * weight > NARROW;
+        const int told = !(weight > 0.0) || width * weight > part;
         if (told && width > roundings * DBL_EPSILON * fabs(sim->y[j])) {
             return 0;
         }
@@ -157,7 +158,7 @@ static int rest(gb_sim *sim, int i, double before, int c) {
     return 1;
 }
 
-int gb_come_to_rest(gb_sim *sim, int i, double since) {
+int gb_come_to_rest(gb_sim *sim, int i, double since, int settled) {
     const gb_model *model = sim->model;
     const gb_head *head = sim->head;
     if (model->n_constraints == 0 || sim->events.role[i] != GB_ORDINARY || i >= model->n_event_functions ||
@@ -172,12 +173,12 @@ int gb_come_to_rest(gb_sim *sim, int i, double since) {
     if (fabs(sim->mode[i] - before) != 1.0) {
         return 0;
     }
-    const double roundings = ldexp(ROUNDINGS, (int)sim->events.flips[i] - 1); /* see gb_limit_rounding */
+    const double roundings = ldexp(ROUNDINGS[settled], (int)sim->events.flips[i] - 1); /* see gb_limit_rounding */
     gb_slips_now(sim);
     for (int c = 0; c < model->n_constraints; c++) {
         const double direction = since > 0.0 ? sim->mode[model->constraints[c].slip] : 0.0;
         if (can_hold(model, c) && !gb_is_active(sim, c) && (since == 0.0 || direction != 0.0) &&
-            (hardly_slides(sim, c) || hardly_swings(sim, c, since, roundings)) &&
+            (hardly_slides(sim, c) || hardly_swings(sim, c, since, NARROW[settled], roundings)) &&
             rest_together(sim, i, before, c, direction) && holds_limit(sim, i, c)) {
             return rest(sim, i, before, c);
         }

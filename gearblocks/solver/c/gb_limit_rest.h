@@ -9,7 +9,8 @@
 #include "gb_internal.h"
 
 /* Switch i, which has just flipped at the front, and a friction that slides come to rest on its limit; else returns 0.
- * since: the time between its last two flips; 0: of one that every mode drives back at once. */
-int gb_come_to_rest(gb_sim *sim, int i, double since);
+ * since: the time between its last two flips; 0: of one that every mode drives back at once. settled: its swings become
+ * no shorter, so that wider ones end too. */
+int gb_come_to_rest(gb_sim *sim, int i, double since, int settled);
 
 #endif

@@ -35,7 +35,8 @@ static size_t lay_block(gb_sim *sim, char *base) {
     double **const by_input[] = {&sim->inputs.value, &sim->inputs.cell, &sim->inputs.cell_end};
     double **const by_switch[] = {&events->lo,        &events->hi,        &events->armed,     &events->pending,
                                   &events->next_mode, &events->next_time, &events->flip_time, &events->flips,
-                                  &events->held,      &events->held_side};
+                                  &events->held,      &events->held_side, &events->shortest,  &events->shortest_at,
+                                  &events->swings};
     double **const by_state[] = {&control->largest,      &control->natural_scale, &control->noise,
                                  &control->error_weight, &control->least_scale,   &control->fastest_rate,
                                  &control->fast};

@@ -4,20 +4,16 @@
 #include "gb_evaluate.h"
 #include "gb_grip.h"
 #include "gb_limit_hold.h"
-#include "gb_limit_rest.h"
-#include "gb_limit_stay.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
 
-enum { HALVINGS = 60, LOOKS = 4, IN_VAIN = 8 }; /* so many flips without progress tell that none is to come */
+enum { HALVINGS = 60, LOOKS = 4 };
 
-static const double BEYOND = 1e-9;  /* a share this far beyond its end counts as there */
-static const double SAME = 1e-12;   /* of the terms of a difference: what is left of it is nothing */
-static const double NO_STEP = 1e-6; /* of the largest step: flips that follow so closely come of rounding, or in vain */
-static const double CLOSE = 1e-3;   /* of the largest step: flips that may be swings of nothing */
+static const double BEYOND = 1e-9; /* a share this far beyond its end counts as there */
+static const double SAME = 1e-12;  /* of the terms of a difference: what is left of it is nothing */
 
 /* The constraint by whose force event function i is active: friction or a stop; else -1. */
 static int holding(const gb_sim *sim, int i) {
@@ -327,23 +323,6 @@ int gb_sliding_end(gb_sim *sim, double *theta) {
         sim->events.pending[which] = 4.0;
         sim->events.next_mode[which] = mode;
         *theta = to;
-    }
-    return code;
-}
-
-int gb_count_flip_or_slide(gb_sim *sim, int i) {
-    const double before = sim->events.flips[i], since = sim->head->front.t1 - sim->events.flip_time[i];
-    const int code = gb_count_flip(sim, i);
-    if (code != GB_DONE || (sim->events.flips[i] > 2.0 && gb_slide(sim, i))) {
-        return code;
-    }
-    if (sim->events.flips[i] == 1.0 && since <= NO_STEP * sim->head->control.h_largest) {
-        sim->events.flips[i] = gb_min(before + 1.0, IN_VAIN + 1.0);
-    }
-    const int close = sim->events.flips[i] > 2.0 || since <= CLOSE * sim->head->control.h_largest;
-    if (!gb_come_to_rest(sim, i, gb_max(since, DBL_MIN)) && !(close && gb_hold(sim, i, since)) &&
-        sim->events.flips[i] > IN_VAIN) {
-        gb_stay_on_limit(sim, i);
     }
     return code;
 }

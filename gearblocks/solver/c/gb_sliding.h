@@ -32,8 +32,4 @@ int gb_settle_sliding(gb_sim *sim);
 /* The first theta of the step just computed where a share leaves 0..1, if that is before `theta`; marks its switch. */
 int gb_sliding_end(gb_sim *sim, double *theta);
 
-/* Counts a flip of switch i; one that goes back and forth at the front slides from here on if both sides drive it
- * back, or stays there if the sides are alike. */
-int gb_count_flip_or_slide(gb_sim *sim, int i);
-
 #endif

@@ -139,6 +139,39 @@ def test_what_would_leave_the_limit_together_rests_there_with_its_momentum_gone(
     assert run.energy.residual < 10 * rtol
 
 
+@pytest.mark.parametrize(("target", "coulomb", "viscous", "ends"), [(1.0, 0.02, 0.5, 19.366), (1e4, 0.1, 0.0, 28.41)])
+def test_swings_that_rounding_keeps_up_are_at_rest(target, coulomb, viscous, ends):
+    """Friction that takes little of each, or a limit that is far from 0."""
+    rig = gb.Drivetrain("positioner")
+    drive = gb.Torque(tau=gb.piecewise((1.0, gb.sense("body.phi") < target), (-1.0, True)))
+    body = rig.add("body", gb.Inertia(J=1.0, phi0=target - 1.0))
+    rig.chain(rig.add("drive", drive), body, rig.add("bearing", gb.BearingFriction(coulomb=coulomb, viscous=viscous)))
+    run = gb.simulate(rig, t=[60.0], rtol=1e-9)
+    assert run["body.w"][-1] == 0.0 and run["body.phi"][-1] == pytest.approx(target, rel=1e-9)
+    assert run.events[-1].t == pytest.approx(ends, abs=1e-2)
+    assert run.stats.events < 3000
+
+
+def _governed(tau):
+    """A torque over the speed of a body, and a lossy gear to another one: a change of its sign changes that of the losses."""
+    rig = gb.Drivetrain("governed")
+    body, gear = rig.add("body", gb.Inertia(J=1.0)), rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.8, 0.8)))
+    rig.chain(rig.add("drive", gb.Torque(tau=tau)), body, gear, rig.add("load", gb.Inertia(J=1.0)))
+    return rig
+
+
+def test_swings_that_nothing_tells_and_that_come_to_no_rest_stop_by_name():
+    w = gb.sense("body.w")
+    rig = _governed(gb.piecewise((1.0, w + 0.5 * gb.sense("body.phi") < 1.0), (-1.0, True)))
+    with pytest.raises(
+        gb.SimulationError, match=r"'drive': 100\d\d swings of its switch 1 .*narrow.* no rest .* width"
+    ):
+        gb.simulate(rig, t_end=60.0)
+    steep = _governed(gb.maximum(-1.0, gb.minimum(1.0, 1e4 * (1.0 - w - 0.5 * gb.sense("body.phi")))))
+    run = gb.simulate(steep, t_end=60.0)
+    assert run["body.w"][-1] + 0.5 * run["body.phi"][-1] == pytest.approx(1.0, abs=1e-3)
+
+
 def test_a_law_that_drives_away_from_its_limit_holds_nothing():
     run = gb.simulate(_positioner(1.0, -1.0, -1.0, 0.3), t=[3.0], initial={"body.phi": 1.0 - 1e-12, "body.w": 1e-5})
     assert run["body.w"][-1] == pytest.approx(0.7 * 3.0, rel=1e-5)

@@ -36,26 +36,22 @@ def _geared_rest(J, up, down, load, ratio, eta):
     return first * slow / up + swing / (1 - fast / slow)
 
 
-def _check(rig, ends, rtol, method, slow=100, most=20000):
-    model = gb.build(rig)
-    run = gb.simulate(model, t=[0.5 * ends, ends + 0.01, ends + 100.0], method=method, rtol=rtol)
-    assert np.abs(run["body.phi"][1:] - 1.0).max() < 3 * rtol
-    assert np.abs(run["body.w"][1]) < 1e-5 and np.abs(run["load.w"][1]) < 1e-5
-    assert np.abs(run["body.w"][2]) < 1e-9 and np.abs(run["load.w"][2]) < 1e-9
-    assert run.stats.events < most
-    assert run.events[-1].t == pytest.approx(ends, abs=max(slow * sqrt(1e-4 * rtol), 3e-3))
-    assert np.abs(run["drive.torque"][2]) < 1e-6
-    assert run.energy.residual < 10 * rtol
-
-
-@pytest.mark.parametrize("seed", [pytest.param(s, marks=LONG if s else ()) for s in range(2)])
-def test_losses_of_a_gear_end_the_swings(seed):
+@pytest.mark.parametrize("seed", [pytest.param(s, marks=() if s in (1, 4) else LONG) for s in range(8)])
+def test_losses_of_a_gear_end_the_swings_at_every_tolerance(seed):
+    """Of weak losses (4, 2, 7) rounding keeps swings up that are wider than the tolerance of the others' last ones."""
     draw = Random(f"gear {seed}")
     J, up, down, load = (draw.uniform(0.5, 3.0) for _ in range(4))
     ratio, eta = draw.choice((-3.0, -1.0, 0.5, 1.0, 2.0)), (draw.uniform(0.5, 0.9), draw.uniform(0.4, 0.9))
-    gear = gb.LossyGear(ratio=ratio, efficiency=eta)
     ends = _geared_rest(J, up, down, load, ratio, eta)
-    _check(_to_load(gear, J, load, up, down), ends, draw.choice((1e-4, 1e-6, 1e-9)), METHODS[seed % 4], slow=2000)
+    model = gb.build(_to_load(gb.LossyGear(ratio=ratio, efficiency=eta), J, load, up, down))
+    for method in METHODS:
+        for rtol in (1e-4, 1e-6, 1e-8, 1e-9):
+            run = gb.simulate(model, t=[0.5 * ends, ends + 0.01, ends + 100.0], method=method, rtol=rtol)
+            assert np.abs(run["body.phi"][1:] - 1.0).max() < 1e-2 * rtol
+            assert run["body.w"][1:].tolist() == run["load.w"][1:].tolist() == [0.0, 0.0]
+            assert run.events[-1].t == pytest.approx(ends, abs=300 * sqrt(1e-4 * rtol) + 1e-3)  # 64 settled swings
+            assert run.stats.events < 3000
+            assert run.energy.residual < 10 * rtol
 
 
 def test_a_gear_holds_what_its_losses_hold():
