@@ -10,7 +10,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
     ("gb_step_constraints",),
     ("gb_inputs",),
     ("gb_time_terms",),
-    ("gb_rest_share",),
+    ("gb_rest_share", "gb_limit_bend"),
     ("gb_rates",),
     (
         "gb_runge_kutta",
@@ -41,6 +41,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_rest",
         "gb_give_up",
         "gb_mode_search",
+        "gb_dependence",
     ),
     ("gb_dense_output", "gb_constraint_switching", "gb_limit_rest", "gb_limit_hold", "gb_limit_stay", "gb_grip"),
     ("gb_sliding", "gb_sliding_outputs", "gb_event_values", "gb_features"),

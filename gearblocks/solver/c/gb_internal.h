@@ -165,7 +165,7 @@ struct gb_event_state {
     double look_ahead;           /* > 0: how far ahead the motion tells what constraints do from here */
     long long look_at, look_gap; /* events when rests on limits are looked at again; how many lie between */
     long long crowd;             /* events when it was last asked whether they let time go on, */
-    double t_crowd;              /* and the time then */
+    double t_crowd, rested_at[GB_SLIDING], admitted[GB_SLIDING]; /* the time then; see gb_limit_bend.h */
     int forces_agreed; /* enclosed constraint forces were right at the start of a step since the modes changed */
     int n_sliding, sliding[GB_SLIDING], resting[GB_SLIDING]; /* see gb_sliding.h, gb_rates.h */
     uint64_t mode_hash, by_mean; /* of all modes; constraints (bits) that the mean of sides that slide holds */

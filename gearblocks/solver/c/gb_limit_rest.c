@@ -1,11 +1,13 @@
 #include "gb_limit_rest.h"
 #include "gb_constraint_state.h"
 #include "gb_evaluate.h"
+#include "gb_limit_bend.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_rest_share.h"
 #include "gb_time_terms.h"
+#include "gb_tolerance.h"
 #include "gb_vector.h"
 
 static const double UNTOLD = 1e-3;                 /* of the tolerance: the speeds of swings that are taken for none */
@@ -13,7 +15,10 @@ static const double MOMENT = 1e-3, NOTHING = 1e-9; /* how long coordinates follo
 /* Swings that are taken for none, in parts of the tolerance and in roundings of the coordinates: ever shorter ones, and
  * those that rounding keeps up. */
 static const double NARROW[2] = {1e-4, 1e-1}, ROUNDINGS[2] = {4096.0, 262144.0};
-static const double SHORT = 1e-3; /* of the largest step: flips that are looked at */
+static const double MOVED = 5e-3;   /* of the tolerance: so far a limit goes before it is left */
+static const double AS_LONG = 50.0; /* swings: a step whose differences tell over one of them */
+static const double STANDS = 0.1;   /* of the speed of swings: that of a limit that stands */
+static const double SHORT = 1e-3;   /* of the largest step: flips that are looked at */
 
 /* What it slides by is nothing in each of its speeds. */
 static int hardly_slides(gb_sim *sim, int c) {
@@ -132,6 +137,21 @@ static int rest_together(gb_sim *sim, int i, double before, int c, double direct
     return holds_between(sim, c, direction, in);
 }
 
+/* The limit of switch i goes by itself, as it reads time, as fast as the swings about it that took so long. */
+static int goes_by_itself(gb_sim *sim, int i, double since) {
+    const gb_model *model = sim->model;
+    double *rates = sim->sliding.rates, way[2], swings[2];
+    const double h = since > 0.0 ? AS_LONG * since : sim->head->control.h_next;
+    memset(rates, 0, sizeof(double) * (size_t)model->n_total);
+    gb_limit_bend(sim, i, rates, &sim->instant, 0, sim->y, h, 0.0, way);
+    if (way[0] == 0.0) {
+        return 0;
+    }
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, rates);
+    gb_limit_bend(sim, i, rates, &sim->instant, 0, sim->y, h, 0.0, swings);
+    return !(fabs(way[0]) <= STANDS * fabs(swings[0]));
+}
+
 /* A friction, or the losses of a gear. */
 static int can_hold(const gb_model *model, int c) {
     return model->constraints[c].kind == GB_FRICTION || model->constraints[c].kind == GB_LOSS;
@@ -148,6 +168,8 @@ static int rest(gb_sim *sim, int i, double before, int c) {
     gb_set_mode(sim, of->active, 1.0, 0);
     gb_set_mode(sim, of->slip, 0.0, 0);
     events->resting[events->n_sliding] = c;
+    events->rested_at[events->n_sliding] = sim->events.s[i];
+    events->admitted[events->n_sliding] = MOVED * gb_tolerance_of(sim, i);
     events->sliding[events->n_sliding++] = i;
     gb_factor_active_set(sim, sim->mode, sim->instant.time_terms, sim->y);
     gb_project_velocities(sim, sim->instant.time_terms);
@@ -179,7 +201,7 @@ int gb_come_to_rest(gb_sim *sim, int i, double since, int settled) {
         const double direction = since > 0.0 ? sim->mode[model->constraints[c].slip] : 0.0;
         if (can_hold(model, c) && !gb_is_active(sim, c) && (since == 0.0 || direction != 0.0) &&
             (hardly_slides(sim, c) || hardly_swings(sim, c, since, NARROW[settled], roundings)) &&
-            rest_together(sim, i, before, c, direction) && holds_limit(sim, i, c)) {
+            rest_together(sim, i, before, c, direction) && holds_limit(sim, i, c) && !goes_by_itself(sim, i, since)) {
             return rest(sim, i, before, c);
         }
     }

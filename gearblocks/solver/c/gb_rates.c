@@ -1,4 +1,5 @@
 #include "gb_rates.h"
+#include "gb_limit_bend.h"
 #include "gb_rest_share.h"
 #include "gb_time_terms.h"
 #include "gb_vector.h"
@@ -11,6 +12,7 @@ static const double weight[POINTS] = {1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 
 static const double NEAR = 1e-3;  /* its points, in steps: it tells 1e-12 of what a step tells */
 static const double APART = 1e-4; /* rad or m: where the direction alone counts */
 static const double ROUNDING = 64.0 * DBL_EPSILON;
+static const double BACK = 0.1;   /* part of a step: so soon what errors have left of a rate that is held goes back */
 static const double LEAST = 1e-9; /* share in a recorded mode, that shows as one */
 
 int gb_slides(const gb_sim *sim, int i) {
@@ -114,10 +116,24 @@ void gb_accelerations_along(gb_sim *sim, const double *f, const gb_lanes *at, in
     gb_speeds_along(sim, pushed, at, lane, y, most > 0.0 ? APART / most : 1.0, 0.0, speed);
 }
 
+static double step_ahead(const gb_sim *sim) {
+    const double h = gb_min(sim->head->control.h_next, sim->head->options.max_step);
+    return h > 0.0 ? h : NEAR;
+}
+
+/* Of one that is held: what its rate changes by beside the accelerations, and what brings it back to none. */
+static double bend_of_held(gb_sim *sim, int j, const gb_lanes *at, int lane, const double *y) {
+    const struct gb_event_state *events = &sim->head->events;
+    const double h = step_ahead(sim);
+    double bend[2];
+    gb_limit_bend(sim, events->sliding[j], sim->sliding.rates, at, lane, y, h, events->admitted[j], bend);
+    return bend[1] + 2.0 * BACK / h * bend[0];
+}
+
 /* How fast the event functions of those that slide change along rates f; of those that are held, how fast their rates
  * do. */
 static void speeds_along(gb_sim *sim, const double *f, const gb_lanes *at, int lane, const double *y, double *speed) {
-    const double h = gb_min(sim->head->control.h_next, sim->head->options.max_step), step = h > 0.0 ? h : NEAR;
+    const double step = step_ahead(sim);
     const int n = sim->head->events.n_sliding, *resting = sim->head->events.resting;
     double second[GB_SLIDING];
     int held = 0;
@@ -201,6 +217,10 @@ int gb_find_shares(gb_sim *sim, int full, const gb_lanes *at, int lane, const do
         }
         attracts = attracts && a[j][j] < 0.0;
         moving[j] = -below[which[j]];
+    }
+    for (int j = 0; j < n_moving; j++) {
+        const int held = sim->head->events.resting[which[j]] == GB_HELD;
+        moving[j] -= held ? bend_of_held(sim, which[j], at, lane, y) : 0.0;
     }
     const int solved = solve(n_moving, a, moving);
     for (int j = 0; j < n_moving; j++) {

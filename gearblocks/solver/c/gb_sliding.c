@@ -1,8 +1,10 @@
 #include "gb_sliding.h"
 #include "gb_constraint_state.h"
 #include "gb_dense_output.h"
+#include "gb_dependence.h"
 #include "gb_evaluate.h"
 #include "gb_grip.h"
+#include "gb_limit_bend.h"
 #include "gb_limit_hold.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
@@ -13,107 +15,20 @@
 enum { HALVINGS = 60, LOOKS = 4 };
 
 static const double BEYOND = 1e-9; /* a share this far beyond its end counts as there */
-static const double SAME = 1e-12;  /* of the terms of a difference: what is left of it is nothing */
-
-/* The constraint by whose force event function i is active: friction or a stop; else -1. */
-static int holding(const gb_sim *sim, int i) {
-    int c = sim->model->n_constraints - 1;
-    while (c >= 0 && sim->model->constraints[c].active != i) {
-        c--;
-    }
-    const int kind = c >= 0 ? (int)sim->model->constraints[c].kind : -1;
-    return (kind == GB_FRICTION || kind == GB_STOP) && gb_is_active(sim, c) ? c : -1;
-}
-
-/* Event function i tells of what rests on a limit: its force, and that of the tie of a lossy gear. */
-static int is_of_rest(const gb_sim *sim, int i) {
-    int found = 0;
-    for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        const int c = sim->head->events.resting[j];
-        const gb_constraint *of = c >= 0 ? sim->model->constraints + c : NULL;
-        found |= of && (i == of->active || (of->kind == GB_LOSS && i == sim->model->constraints[of->partner].slip));
-    }
-    return found;
-}
-
-/* Constraint forces by the mean of both sides, into constraints.peak, and their bounds; returns the largest of the
- * terms of which any is made: rounding goes on from one to the next. */
-static double mean_forces(gb_sim *sim, const double *y, const double *share) {
-    const gb_model *model = sim->model;
-    struct gb_constraints *c = &sim->constraints;
-    double *below = c->lo, *above = c->hi, *mean = c->peak, largest = 0.0;
-    model->force_bounds(sim->par, sim->mode, sim->instant.time_terms, y, c->bounds);
-    model->constraint_forces(sim->par, sim->mode, sim->instant.time_terms, y, below, c->right);
-    memcpy(mean, below, sizeof(double) * (size_t)model->n_constraints);
-    for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        gb_set_above(sim, 1 << j);
-        const double *terms = gb_terms_above(sim, &sim->instant, 0);
-        model->constraint_forces(sim->par, sim->sliding.mode, terms, y, above, c->right);
-        for (int i = 0; i < model->n_constraints; i++) {
-            mean[i] += share[j] * (above[i] - below[i]);
-            largest = gb_max(largest, fabs(above[i]) + fabs(below[i]));
-        }
-    }
-    return largest;
-}
-
-/* Event function i asks for the torque that slides: it differs between the sides, and is not of a condition that is in
- * its mode on both, or of a constraint that holds what the mean asks of it, and the lower sides, which are searched for
- * events. settles: what holds by the mean alone is not searched from here on. */
-static int depends(gb_sim *sim, int i, double below, double above, double largest, int settles) {
-    const gb_model *model = sim->model;
-    const int constraint = holding(sim, i), same = fabs(above - below) <= SAME * (fabs(above) + fabs(below));
-    if (is_of_rest(sim, i)) {
-        return 0;
-    }
-    if (constraint >= 0) {
-        const double *bounds = sim->constraints.bounds + 5 * constraint, mean = sim->constraints.peak[constraint];
-        const double beyond = gb_max(mean - bounds[1], bounds[0] - mean), lower = below > SAME * largest ? below : 0.0;
-        if (settles && constraint < 64 && lower > 0.0 && beyond <= 0.0) {
-            sim->head->events.by_mean |= (uint64_t)1 << constraint;
-        }
-        return !same && gb_max(gb_holds_by_mean(sim, constraint) ? 0.0 : lower, beyond) > SAME * largest;
-    }
-    if (same) {
-        return 0;
-    }
-    if (sim->events.role[i] == GB_SILENT && sim->mode[i] < 0.5 && below <= 0.0 && above <= 0.0) {
-        return 0; /* of a capacity, with its sign turned: one of 0 on one side rubs with nothing there */
-    }
-    return sim->events.role[i] == GB_CONSTRAINED || gb_slides(sim, i) ||
-           model->mode_at(sim->par, i, below) != sim->mode[i] || model->mode_at(sim->par, i, above) != sim->mode[i];
-}
-
-/* Whether another switch asks for the torque that slides by these shares, at the time terms at hand and the state y. */
-static int others_depend(gb_sim *sim, const double *y, const double *share, int settles) {
-    const gb_model *model = sim->model;
-    const int n = model->n_event_functions;
-    const double largest = model->n_constraints > 0 ? mean_forces(sim, y, share) : 0.0;
-    double *below = sim->sliding.functions, *above = below + n;
-    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, below);
-    for (int which = 1; which < 1 << sim->head->events.n_sliding; which++) {
-        gb_set_above(sim, which);
-        const double *terms = gb_terms_above(sim, &sim->instant, 0);
-        model->event_functions(sim->par, sim->sliding.mode, terms, y, above);
-        for (int i = 0; i < n; i++) {
-            if (depends(sim, i, below[i], above[i], largest, settles)) {
-                return 1;
-            }
-        }
-    }
-    return 0;
-}
 
 static void forget(gb_sim *sim, int i) {
-    int *sliding = sim->head->events.sliding, *resting = sim->head->events.resting, n = 0;
-    for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        if (sliding[j] != i) {
-            resting[n] = resting[j];
-            sliding[n++] = sliding[j];
+    struct gb_event_state *events = &sim->head->events;
+    int n = 0;
+    for (int j = 0; j < events->n_sliding; j++) {
+        if (events->sliding[j] != i) {
+            events->resting[n] = events->resting[j];
+            events->rested_at[n] = events->rested_at[j];
+            events->admitted[n] = events->admitted[j];
+            events->sliding[n++] = events->sliding[j];
         }
     }
-    sim->head->events.n_sliding = n;
-    sim->head->events.by_mean = 0;
+    events->n_sliding = n;
+    events->by_mean = 0;
 }
 
 /* Every share lies between its ends, as far as that can be told. */
@@ -131,7 +46,7 @@ static int all_fits(gb_sim *sim) {
     double share[GB_SLIDING];
     sim->head->events.by_mean = 0;
     return gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) == 2 &&
-           shares_fit(sim->head->events.n_sliding, share) && !others_depend(sim, sim->y, share, 1);
+           shares_fit(sim->head->events.n_sliding, share) && !gb_others_depend(sim, sim->y, share, 1);
 }
 
 /* Switch i slides from here on, or is held (GB_HELD), its last flip so long ago; else returns 0, and nothing changes.
@@ -247,6 +162,23 @@ void gb_stick_by_mean(gb_sim *sim) {
     memcpy(sim->y, sim->z, sizeof(double) * (size_t)sim->model->n_total);
 }
 
+/* One whose limit has gone away from it, or else one that is held, which nothing holds any more, leaves; 0: there is
+ * none. */
+static int leave_limits(gb_sim *sim, int fits) {
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        const int i = sim->head->events.sliding[j], held = sim->head->events.resting[j] == GB_HELD;
+        if (held) {
+            gb_admit(sim, j);
+        }
+        const int way = gb_limit_moves(sim, j, sim->y);
+        if (way != 0 || (held && !fits)) {
+            gb_leave_sliding(sim, i, sim->mode[i] + (way > 0));
+            return 1;
+        }
+    }
+    return 0;
+}
+
 int gb_settle_sliding(gb_sim *sim) {
     double share[GB_SLIDING];
     int code = sim->head->events.n_sliding > 0 ? gb_time_terms_at(sim, sim->head->front.t1) : GB_DONE;
@@ -255,7 +187,12 @@ int gb_settle_sliding(gb_sim *sim) {
         const int first = sim->head->events.sliding[0];
         const int found = gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share), fit = found && shares_fit(n, share);
         sim->head->events.by_mean = 0;
-        if (found < 2 || (fit && others_depend(sim, sim->y, share, 1))) {
+        const int fails = found < 2 || (fit && gb_others_depend(sim, sim->y, share, 1)),
+                  turns = fit && !fails && gb_slips_turn(sim, share);
+        if (leave_limits(sim, !fails && !turns)) {
+            continue;
+        }
+        if (fails) {
             return gb_fail(sim, GB_ERR_CHATTER, first, sim->head->front.t1, 0.0);
         }
         int worst = 0;
@@ -284,8 +221,16 @@ static int inside(gb_sim *sim, double theta, double *margin, int *which, double 
         return code;
     }
     gb_dense_states(sim, theta, y);
+    for (int j = 0; j < sim->head->events.n_sliding; j++) {
+        const int way = sim->head->events.resting[j] >= 0 ? gb_limit_moves(sim, j, y) : 0;
+        if (way != 0) {
+            *which = sim->head->events.sliding[j];
+            *mode = sim->mode[*which] + (way > 0);
+            return GB_DONE;
+        }
+    }
     if (!gb_find_shares(sim, 0, &sim->instant, 0, y, share) ||
-        (shares_fit(sim->head->events.n_sliding, share) && others_depend(sim, y, share, 0))) {
+        (shares_fit(sim->head->events.n_sliding, share) && gb_others_depend(sim, y, share, 0))) {
         return GB_DONE;
     }
     *margin = 1.0;
