@@ -297,13 +297,13 @@ def _linear(g: Generator, angles_in_law: bool) -> dict[str, Any]:
         return {"linear": None}
     tilted = angles_in_law and g.assembly.has_prescribed_angles
     moves = angles_in_law or any(Role.GROUP_SPEEDS in f.read for f in linear.functions.get("kinematic_rates", []))
-    slopes = [s.slope for s in linear.feedback]
-    changes = [s.change for s in linear.feedback] if linear.computed is None else []
+    slopes, changes = [s.slope for s in linear.feedback], [s.change for s in linear.feedback if not linear.computed]
     by_states = linear.group_rows.by_states(linear.first_speed) if linear.group_rows else []
     c, varying = g.constraints, linear.computed is not None
     return {
         "linear": linear,
         "constraint_changes": bool(c.members) and (c.dynamic or c.prescribed) and (varying or any(by_states)),
+        "forces_heat": any(code.law.heat and code.constraint_loss is not None for code in g.codes),
         "by_states": sparse("by_states", by_states),
         "speeds_read": moves,
         "linear_functions": [call.function for call in [*slopes, *changes]],

@@ -121,8 +121,7 @@ def check_jacobian(options: Options, program: Program, has_jacobian: bool) -> No
     if options.method == Method.RODAS and not has_jacobian:
         raise ParameterError(
             f"method = 'rodas' needs the Jacobian, which '{program.name}' does not give: take 'dp8'. It is missing as a rule "
-            "where a state follows from an acceleration or a constraint force: of a lossy gear that heats a ThermalMass (a "
-            "value as T of its heat port needs no state), or where a block reads one by gb.sense"
+            "where a state follows from an acceleration or a constraint force that a block reads by gb.sense"
         )
 
 

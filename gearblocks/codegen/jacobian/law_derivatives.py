@@ -128,13 +128,25 @@ class Slopes:
         none = dict.fromkeys(code.forces, sp.Integer(0))
         for flange, expr in torques.items():
             self._add({self._speed(flange): sp.Integer(1)}, expr.xreplace(none))
-        if code.law.heat and code.constraint_loss is not None:
-            raise NotImplementedError("a heat flow follows from a constraint force")
         for state, expr in code.rates.items():
             self._add({pool.symbol("state", state, state): sp.Integer(1)}, expr)
         for flange, expr in code.balance.torque_rates.items() if with_torque_rates else ():
             self._add({pool.symbol("torque_rate", flange, f"torque_rate_{flange}"): sp.Integer(1)}, expr)
         self._add_losses()
+        self._add_heat()
+
+    def _add_heat(self) -> None:
+        """What a lossy gear heats by the force inside it, at a fixed force; what that does: heat_of_forces.c.jinja."""
+        law = self.code.law
+        if law.heat and self.code.constraint_loss is not None:
+            state = law.pool.symbol("state", law.heat, law.heat)
+            names = {name: f"held_{name}".rstrip("_") for name in law.constraints}
+            forces = {law.pool.symbol("constraint_force", x, held): self._force(x) for x, held in names.items()}
+            self._add({state: sp.Integer(1)}, self.code.constraint_loss.xreplace(forces))
+
+    def _force(self, name: str) -> Any:
+        """The symbol of the force of a switched constraint, as it is at the front."""
+        return self.local(Operand(Role.CONSTRAINT_FORCES, self.code.offsets.constraints[name], instance=True))
 
     def _add_losses(self) -> None:
         """What lossy gears lose of the force inside them, where that part changes with the motion, at a fixed force."""
@@ -149,8 +161,7 @@ class Slopes:
                 for flange, c in self.code.law.constraints[constraint.partner].row.items()
                 if self.code.batch.groups[flange][0] != GROUND_GROUP
             }
-            force = Operand(Role.CONSTRAINT_FORCES, self.code.offsets.constraints[name], instance=True)
-            self._add(row, share * self.local(force))
+            self._add(row, share * self._force(name))
 
     def _add(self, row: dict[Any, Any], expr: Any) -> None:
         """A term of the rates of the unknowns of `row`, each with its coefficient: S -= row b'."""

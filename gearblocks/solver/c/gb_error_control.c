@@ -89,6 +89,18 @@ int gb_begins_to_move(const gb_sim *sim) {
     return (moves[0] | moves[1] | moves[2] | moves[3]) != 0;
 }
 
+/* What rounding leaves of the forces of locks where nothing loads them at the front: at the end of the trial by which
+ * the train begins to move, for the speeds that have not moved by more. Whether there is any. */
+static int noise_of_first_load(gb_sim *sim, double h, const double *time_terms, const double *trial, double *left) {
+    int any = 0;
+    gb_noise_of_locks(sim, time_terms, trial, left);
+    for (int i = 0; i < sim->model->n; i++) {
+        left[i] = fabs(trial[i]) <= h * left[i] ? left[i] : 0.0;
+        any |= left[i] > 0.0;
+    }
+    return any;
+}
+
 void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial) {
     gb_head *head = sim->head;
     const int n = sim->model->n, speeds = n - sim->model->n_speeds;
@@ -100,13 +112,17 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     const int due = head->counts.steps >= head->control.noise_at || (implicit && moved) || longer;
     const int follows = trial != NULL && (head->counts.steps == 0 || gb_begins_to_move(sim));
     const int locked = (follows || due) && gb_some_active(sim);
-    const int noisier = locked && gb_noise_of_locks(sim, at->time_terms + sim->method->stages, sim->y0, left);
-    if (due || noisier) {
+    const double *time_terms = at->time_terms + sim->method->stages;
+    const int noisier = locked && gb_noise_of_locks(sim, time_terms, sim->y0, left);
+    const int unloaded = locked && follows && largest_in(left, sim->zero, 0, n) == 0.0;
+    const int loads = unloaded && noise_of_first_load(sim, h, time_terms, trial, left);
+    if (due || noisier || loads) {
         const double elapsed = head->front.t1 - head->front.t_start + h;
         if (!locked) {
             memset(left, 0, sizeof(double) * (size_t)n);
         }
-        gb_measure_noise(sim, h, at, left, !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed);
+        const double valid = !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed;
+        gb_measure_noise(sim, h, at, left, loads ? 0.0 : valid);
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;

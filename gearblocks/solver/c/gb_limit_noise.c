@@ -59,6 +59,9 @@ int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, c
     if (gb_is_far(sim, distance, y, other)) {
         return 0;
     }
+    if (fabs(distance) <= DBL_MIN) { /* what has faded so far has no digits left */
+        return 1;
+    }
     model->event_functions(sim->par, sim->mode, time_terms, y, s);
     const double here = s[i];
     memcpy(moved, y, sizeof(double) * (size_t)model->n_total);

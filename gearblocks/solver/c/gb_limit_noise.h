@@ -1,5 +1,5 @@
 /* Noise of an event function: what the rounding of the states does to it,
- *     64 eps sum_j |ds/dy_j| |y_j|,   by differences.
+ *     64 eps sum_j |ds/dy_j| |y_j|,   by differences, and no less than the smallest number with all its digits.
  * An angle that is the difference of coordinates, and a speed that an active constraint holds at the limit of a switch
  * (that of a planetary's braked sun, say) differ from the limit by this alone, and the sign tells nothing. Where the
  * speed is a state itself, the noise is that of the forces and has no such bound: what reads held slips alone cannot

@@ -4,6 +4,7 @@
 #include "gb_force_enclosure.h"
 #include "gb_force_noise.h"
 #include "gb_limit_noise.h"
+#include "gb_limit_stay.h"
 #include "gb_locate_enclosed.h"
 #include "gb_locate_polynomial.h"
 #include "gb_locate_sampled.h"
@@ -17,12 +18,13 @@ static const double LAST = 1.0 - 1e-6;
  * in turn do so at halves and quarters, and what has just reached its bound may be far inside it later on. */
 static const double WITHIN[] = {0.001, 0.03125, 0.14, 0.382, 0.618, 0.86};
 
-/* The excess of constraint force i is no more than noise between the ends of the step either. */
-static int stays_within(gb_sim *sim, int i, double noise) {
+/* Event function i is no more than noise beyond its limit `side` between the ends of the step either. */
+static int stays_within(gb_sim *sim, int i, double side, double noise) {
+    const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i];
     int stays = 1;
     for (size_t l = 0; l < sizeof WITHIN / sizeof WITHIN[0] && stays; l++) {
         stays = gb_event_functions_at(sim, WITHIN[l], sim->events.s) != GB_DONE ||
-                sim->events.s[i] - sim->events.hi[i] < noise;
+                side * (sim->events.s[i] - limit) < noise;
     }
     return stays;
 }
@@ -42,7 +44,7 @@ static int is_no_force(gb_sim *sim, int i, double start, const double *time_term
         return 0;
     }
     sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
-    return fabs(sim->events.s[i] - sim->events.hi[i]) < noise && stays_within(sim, i, noise);
+    return fabs(sim->events.s[i] - sim->events.hi[i]) < noise && stays_within(sim, i, 1.0, noise);
 }
 
 /* The force of an active constraint, located right at the end of this step, is noise there, and so is what its bound
@@ -90,8 +92,12 @@ static int has_stayed(gb_sim *sim, int i) {
     }
     model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
     const double end = sim->events.s[i] - limit;
-    return gb_is_noise(sim, i, end, time_terms, sim->z, sim->y0) &&
-           gb_is_noise(sim, i, start, time_terms, sim->z, sim->y0);
+    if (gb_is_noise(sim, i, end, time_terms, sim->z, sim->y0) &&
+        gb_is_noise(sim, i, start, time_terms, sim->z, sim->y0)) {
+        return 1;
+    }
+    const double idle = gb_swings_idly(sim, i, gb_max(fabs(start), fabs(end)));
+    return idle > 0.0 && stays_within(sim, i, sim->events.side[i], idle);
 }
 
 /* A slip that has just let go in the direction of its acceleration, or a switch that flips for the second time without

@@ -237,6 +237,9 @@ typedef struct gb_model {
     void (*right_side)(const double *par, const double *kinematic_terms, double g, const double *r, double *out);
     void (*kinematic_rates)(const double *par, const double *kinematic_terms, const double *x, double *out);
     void (*constraint_change)(const double *kinematic_terms, int i, double *unknowns, double *states);
+    /* NULL, or: adds to the rates of the unknowns what a force of constraint i heats. */
+    void (*heat_of_force)(const double *par, const double *mode, const double *time_terms, const double *y, int i,
+                          double force, double *unknowns);
 
     /* As time_terms for one lane, with every excitation by time alone at its mean (NULL: as they are). */
     void (*mean_time_terms)(const double *par, const double *mode, int lanes, const double *t, const double *u,

@@ -94,16 +94,26 @@ void gb_hold_speeds(gb_sim *sim) {
     }
 }
 
+/* Adds what a force along the row of constraint i does: torques on the speeds, and heat. */
+static void add_force(gb_sim *sim, int i, double force, double *unknowns) {
+    const gb_model *model = sim->model;
+    const double *time_terms = sim->lanes.time_terms;
+    double *row = sim->implicit.work, *torques = unknowns + model->n - model->n_speeds - model->n_kinematic;
+    model->constraint_row(sim->par, sim->mode, time_terms, sim->y0, i, 1, row);
+    for (int k = 0; k < model->n_speeds; k++) {
+        torques[k] += force * row[k];
+    }
+    if (model->heat_of_force) {
+        model->heat_of_force(sim->par, sim->mode, time_terms, sim->y0, i, force, unknowns);
+    }
+}
+
 /* The forces of rows that follow from others, as far as the j-th of the active rows asks for them. */
-static void add_shares(gb_sim *sim, int j, double *torques) {
+static void add_shares(gb_sim *sim, int j, double *unknowns) {
     const gb_model *model = sim->model;
     const gb_active_set active = gb_active_at(model->constraint_rows, sim->mode + model->n_switches);
-    double *row = sim->implicit.work;
     for (int d = 0; d < *active.n_shared && model->constraint_rows->shares; d++) {
-        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active.shared[d], 1, row);
-        for (int i = 0; i < model->n_speeds; i++) {
-            torques[i] += active.share[(size_t)d * (size_t)model->n_constraints + (size_t)j] * row[i];
-        }
+        add_force(sim, active.shared[d], active.share[(size_t)d * (size_t)model->n_constraints + (size_t)j], unknowns);
     }
 }
 
@@ -111,14 +121,12 @@ static void add_shares(gb_sim *sim, int j, double *torques) {
 void gb_factor_constraints(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = gb_n_active_rows(sim), size = n > 0 ? model->pattern->n : 0;
-    const int first = model->n - model->n_speeds - model->n_kinematic;
     find_changes(sim);
     for (int j = 0; j < n; j++) {
         double *answer = sim->implicit.row_response + (size_t)j * (size_t)size;
         memset(sim->implicit.unknown, 0, sizeof(double) * (size_t)size);
-        model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 1,
-                              sim->implicit.unknown + first);
-        add_shares(sim, j, sim->implicit.unknown + first);
+        add_force(sim, active_index(sim, j), 1.0, sim->implicit.unknown);
+        add_shares(sim, j, sim->implicit.unknown);
         gb_solve(model->pattern, sim->implicit.inverse, sim->implicit.lower, sim->implicit.upper, sim->implicit.unknown,
                  sim->implicit.work, answer);
     }

@@ -2,7 +2,6 @@
 #include "gb_dense_output.h"
 #include "gb_evaluate.h"
 #include "gb_limit_rest.h"
-#include "gb_limit_stay.h"
 #include "gb_modes.h"
 #include "gb_report.h"
 #include "gb_sliding.h"
@@ -10,7 +9,7 @@
 #include "gb_tolerance.h"
 #include "gb_vector.h"
 
-enum { IN_VAIN = 8 };                  /* so many flips without progress tell that none is to come */
+enum { IN_VAIN = 8 };                  /* flips without progress are counted so far */
 enum { SETTLED = 64 };                 /* flips since the shortest swing: rounding keeps them up */
 enum { TOO_MANY = 10000, LOOKS = 64 }; /* swings in a row; of so many it is asked whether anything tells them */
 static const double NO_STEP = 1e-6; /* of the largest step: flips that follow so closely come of rounding, or in vain */
@@ -65,9 +64,6 @@ int gb_count_flip_or_slide(gb_sim *sim, int i) {
     const int close = sim->events.flips[i] > 2.0 || since <= CLOSE * sim->head->control.h_largest;
     if (gb_come_to_rest(sim, i, gb_max(since, DBL_MIN), settled) || (close && gb_hold(sim, i, since))) {
         return GB_DONE;
-    }
-    if (sim->events.flips[i] > IN_VAIN) {
-        gb_stay_on_limit(sim, i);
     }
     return refuse_swings(sim, i, settled);
 }

@@ -6,35 +6,42 @@ static double tolerance(const gb_sim *sim, int j) {
     return weight > 0.0 ? 1.0 / weight : 0.0;
 }
 
-/* Adds what the tolerances of the states admit for the event functions [first, first + count); small_alone: of states
- * that are small beside what counts as a size for them. */
-static void add_tolerances(gb_sim *sim, int first, int count, int small_alone, double *sum) {
+/* Adds what the tolerances of the states admit for the event functions [first, first + count), events.s at y;
+ * small_alone: of states that are small beside what counts as a size for them. */
+static void add_tolerances(gb_sim *sim, int first, int count, int small_alone, const double *time_terms,
+                           const double *y, double *sum) {
     const gb_model *model = sim->model;
     const double rtol = sim->head->options.rtol;
-    double *moved = sim->events.moved, *y = sim->z2;
-    memcpy(y, sim->y, sizeof(double) * (size_t)model->n_total);
+    double *moved = sim->events.moved, *changed = sim->z2;
+    memcpy(changed, y, sizeof(double) * (size_t)model->n_total);
     for (int j = 0; j < model->n; j++) {
         const double size = tolerance(sim, j);
         if (size > 0.0 && (!small_alone || 2.0 * sim->control.largest[j] * rtol < size)) {
-            y[j] += size;
-            model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, moved);
+            changed[j] += size;
+            model->event_functions(sim->par, sim->mode, time_terms, changed, moved);
             for (int i = 0; i < count; i++) {
                 sum[i] += fabs(moved[first + i] - sim->events.s[first + i]);
             }
-            y[j] = sim->y[j];
+            changed[j] = y[j];
         }
     }
 }
 
 double gb_tolerance_of(gb_sim *sim, int i) {
     double sum = 0.0;
-    add_tolerances(sim, i, 1, 0, &sum);
+    add_tolerances(sim, i, 1, 0, sim->instant.time_terms, sim->y, &sum);
+    return sum;
+}
+
+double gb_tolerance_at(gb_sim *sim, int i, const double *time_terms, const double *y) {
+    double sum = 0.0;
+    add_tolerances(sim, i, 1, 0, time_terms, y, &sum);
     return sum;
 }
 
 void gb_tolerances_of_small(gb_sim *sim, double *sum) {
     memset(sum, 0, sizeof(double) * (size_t)sim->model->n_event_functions);
-    add_tolerances(sim, 0, sim->model->n_event_functions, 1, sum);
+    add_tolerances(sim, 0, sim->model->n_event_functions, 1, sim->instant.time_terms, sim->y, sum);
 }
 
 double gb_tolerance_of_slip(gb_sim *sim, int i) {
