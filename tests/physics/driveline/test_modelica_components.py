@@ -101,6 +101,31 @@ def test_rolling_resistance_of_a_chassis_is_a_signal() -> None:
     _near(gb.simulate(rig, t=ONE, rtol=1e-10), {"car.v": np.where(np.arange(101) < ends, v, 0.0)})
 
 
+@pytest.mark.parametrize("kind", ["Vehicle", "Chassis"])
+@pytest.mark.parametrize(("slope", "v0"), [(0.0, 0.5), (0.005, 0.0), (0.005, -0.3), (-0.002, 1e-4)])
+def test_rolling_resistance_that_fades_in_a_straight_line_below_vreg_creeps_on_a_slope(
+    kind: str, slope: float, v0: float
+) -> None:
+    """v' = -g (Cr cos(a) min(|v|/vReg, 1) sign(v) + sin a): from above vReg straight down, then exponentially to the creep."""
+    Cr, v_reg, m, R, a = 0.01, 1e-3, 100.0, 0.25, np.arctan(slope)
+    fading = {"rolling": Cr * gb.minimum(abs(gb.sense("car.v")) / v_reg, 1.0), "grade": sympy.atan(slope)}
+    rig = gb.Drivetrain("creep")
+    if kind == "Chassis":
+        rig.add("car", gb.Chassis(mass=m, v0=v0, **fading))
+    else:
+        wheel = rig.add("wheel", gb.Inertia(J=2.0, w0=v0 / R))
+        rig.chain(wheel, rig.add("car", gb.Vehicle(mass=m - 2.0 / R**2, wheel_radius=R, **fading)))
+    weight = g_n if kind == "Chassis" else g_n * (1 - 2.0 / R**2 / m)
+    creep, rate = -v_reg * np.tan(a) / Cr, weight * Cr * np.cos(a) / v_reg
+    reached = max(abs(v0) - v_reg, 0.0) / (weight * (Cr * np.cos(a) + np.sign(v0) * np.sin(a)))
+    below = np.sign(v0) * min(abs(v0), v_reg)
+    v = np.where(
+        reached > ONE, v0 - np.sign(v0) * (abs(v0) - v_reg) * ONE / max(reached, 1e-300),
+        creep + (below - creep) * np.exp(-rate * np.maximum(ONE - reached, 0.0)),
+    )  # fmt: skip
+    _near(gb.simulate(rig, t=ONE, rtol=1e-10), {"car.v": v})
+
+
 def _filtered(A: Any, gain: float, starts: float, t: Any) -> Any:
     """Rows of x' = A x + (0, .., gain u), u = starts + sin 8 t and 0.5 more from 0.4 s; the sine from a system of its own."""
     n = len(A)
