@@ -15,8 +15,10 @@ def expanded(train: Train) -> Train:
     parts, more = [], []
     for p in train.parts:
         found = [p]
-        if p.block in ("PlanetaryGear", "Gearbox"):
-            found = (_planetary if p.block == "PlanetaryGear" else _gearbox)(p)
+        if p.block == "PlanetaryGear":
+            found = _planetary(p)
+        elif p.block == "Gearbox" and p.field("k") is None:
+            found = [_rigid_gearbox(p)]
         elif p.field("segments", 1) > 1:
             found = _segments(p)
         parts += found[:1]
@@ -41,17 +43,10 @@ def _warm(p: Part) -> tuple[tuple[str, Any], ...]:
     return () if heat is None else (("heat", heat),)
 
 
-def _gearbox(p: Part) -> list[Part]:
-    """A gear with losses, and behind it a spring with a gap."""
-    gear = {n: x for n, x in p.fields if n in ("ratio", "efficiency", "bearing", "loss_table", "heat")}
-    lash = {n: x for n, x in p.fields if n in ("k", "c", "half_gap", "contact_damping", "heat")}
-    if "k" not in lash:
-        return [Part(f"{p.name} gear", "LossyGear", tuple(gear.items()), p.at)]
-    node = f"{p.name} node"
-    return [
-        Part(f"{p.name} gear", "LossyGear", tuple(gear.items()), (("a", p.node("a")), ("b", node))),
-        Part(f"{p.name} lash", "Lash", tuple(({"half_gap": 0.0} | lash).items()), (("a", node), ("b", p.node("b")))),
-    ]
+def _rigid_gearbox(p: Part) -> Part:
+    """A gear with losses alone; with a gap: gearboxes.py."""
+    kept = ("ratio", "efficiency", "bearing", "loss_table", "heat")
+    return Part(f"{p.name} gear", "LossyGear", tuple((n, x) for n, x in p.fields if n in kept), p.at)
 
 
 def _planetary(p: Part) -> list[Part]:

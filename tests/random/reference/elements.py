@@ -10,7 +10,7 @@ import numpy as np
 
 from tests.random.description import GROUND, Part, Train
 from tests.random.expressions import Node, walk
-from tests.random.reference import contacts, further, given, heat, rubbing, vehicles
+from tests.random.reference import contacts, further, gearboxes, given, heat, rubbing, vehicles
 from tests.random.reference.composites import expanded
 from tests.random.reference.switches import Context, NoEvidenceError, Table2, ellipse, is_zero
 from tests.random.reference.system import Array, Pair, System, Tie, derivative
@@ -391,4 +391,5 @@ ELEMENTS: dict[str, Any] = {
     "Clutch": rubbing.clutch, "Brake": rubbing.brake, "OneWayClutch": rubbing.clutch, "Freewheel": rubbing.freewheel,
     "BearingFriction": bearing, "DogClutch": rubbing.dog, "Synchronizer": rubbing.clutch,
     "TorqueConverter": further.converter, "LossyGear": rubbing.lossy_gear, "Worm": rubbing.worm,
+    "Gearbox": gearboxes.gearbox,
 }  # fmt: skip

@@ -66,6 +66,8 @@ class Impacts:
         q, v = self.qv(y)
         one: list[tuple[Array, float, int]] = []
         both: list[tuple[Array, float]] = []
+        heats: list[int] = []  # of what is in `both`, then of what is in `one`: the states that count what each loses
+        heats_of_one: list[int] = []
         hit = False
         for i, stop in enumerate(s.stops):
             gap, rate = float(stop.row @ q) - stop.bound, float(stop.row @ v)
@@ -74,35 +76,37 @@ class Impacts:
                 hit = hit or closing
                 if i not in leaving:
                     one.append((stop.row, -stop.restitution * rate if closing and not endless else 0.0, i))
+                    heats_of_one.append(stop.heat)
         for d in s.dry:
             slip = float(d.row @ v)
             on = [m for m in d.members if m.on]
             if any(m.dog or m.locked for m in on):
                 both.append((d.row, 0.0))
+                heats.append(_heat_of([m for m in on if m.dog or m.locked]))
                 hit = hit or abs(slip) > small
             # what is ahead is caught in the next round; two that lock against each other hold both ways
             locks_of = [m for m in on if m.one_way and m.scale * slip <= small]
             hit = hit or any(m.scale * slip < -small for m in locks_of)
-            one += [(way * d.row, 0.0, -1) for way in {math.copysign(1.0, m.scale) for m in locks_of}]
+            for way in {math.copysign(1.0, m.scale) for m in locks_of}:
+                one.append((way * d.row, 0.0, -1))
+                heats_of_one.append(_heat_of([m for m in locks_of if m.scale * way > 0]))
         if not hit:
             return self._settled(t, y, 1e-15) if self.still > 1 else y
         self._refuse_hair_gaps(q, v)
         self.left += bool(leaving)
-        locks = len(both)
         both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
         both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
         self.jumps.append(t)
-        before = v
-        v = self._impulse(v, one, both)
+        heats += [-1] * (len(both) - len(heats)) + heats_of_one
+        y, v = self._struck(y, v, one, both, heats)
         died = False
         for row, target, i in one:
             if i >= 0 and target > 0:
                 fast = self.rebound[i] = max(self.rebound.get(i, 0.0), target)
                 flat = 1e-13 if target < 1e-3 * fast else 1e-16
                 if self._dies(t, self.with_v(y, v), row, float(row @ v), i, flat):
-                    v = self._impulse(v, [(row, 0.0, -1)], [(row, 0.0), *both])
+                    y, v = self._struck(y, v, [(row, 0.0, -1)], [(row, 0.0), *both], [s.stops[i].heat])
                     died = True
-        y = self._heated(y, before, v, one, locks)
         y = self.onto(self.with_v(y, v), [s.stops[i] for _, target, i in one if i >= 0 and target > 0])
         y = self._settled(t, y, 1e-13) if died else y  # what its end throws off its stop
         self.note(y)
@@ -116,18 +120,20 @@ class Impacts:
             if unit < gap < 1e3 * unit and abs(float(stop.row @ v)) <= 10 * self.small():
                 raise NoEvidenceError("a strike beside a stop that is hardly open")
 
-    def _heated(self, y: Array, before: Array, v: Array, one: list[tuple[Array, float, int]], locks: int) -> Array:
-        """What an impact loses goes into the stop that was struck; where there are several nobody tells which."""
-        if not any(d.heat >= 0 for d in (*self.s.stops, *(m for x in self.s.dry for m in x.members))):
-            return y
-        heats = {self.s.stops[i].heat for _, _, i in one if i >= 0}
-        if len(heats) != 1 or locks or any(i < 0 for _, _, i in one):
-            raise NoEvidenceError("heat of what strikes beside others, or locks")
-        (k,), M = heats, self.s.M
-        if k >= 0:
-            y = y.copy()
-            y[self.d.cut[3] + k] += 0.5 * float(before @ M @ before - v @ M @ v)
-        return y
+    def _struck(
+        self, y: Array, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]], heats: list[int]
+    ) -> tuple[Array, Array]:
+        """y with the heat of impulses, and the speeds after them: each loses -P (slip before + slip after)/2, in all the energy
+        that goes lost. heats: states that count it, of what is in `both`, then in `one` (none: -1)."""
+        after, P = self._impulse(v, one, both)
+        rows = [*(row for row, _ in both), *(o[0] for o in one)]
+        for k, row, impulse in zip(heats, rows, P, strict=False):
+            if k < -1:
+                raise NoEvidenceError("heat of what strikes in locks side by side")
+            if k >= 0:
+                y = y.copy()
+                y[self.d.cut[3] + k] -= 0.5 * float(impulse) * float(row @ (v + after))
+        return y, after
 
     def leaving(self, t: float, y: Array) -> set[int]:
         """Stops at which a body rests from which it is pulled away: what strikes it does so when it has left.
@@ -205,11 +211,14 @@ class Impacts:
         y[: self.d.cut[0]] = self.s.Ur.T @ q
         return y
 
-    def _impulse(self, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]]) -> Array:
+    def _impulse(
+        self, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]]
+    ) -> tuple[Array, Array]:
+        """The speeds after the impulses, and these: along `both`, then along `one`."""
         if len(one) > 8:
             raise NoEvidenceError("too many contacts at once")
         size = self.speed
-        found = []
+        found: list[tuple[Array, Array]] = []
         for active in itertools.product((False, True), repeat=len(one)):
             rows = [*(row for row, _ in both), *(o[0] for o, a in zip(one, active, strict=True) if a)]
             target = np.array([x for _, x in both] + [o[1] for o, a in zip(one, active, strict=True) if a])
@@ -224,9 +233,17 @@ class Impacts:
                 new = v + MG @ P
             scale = 1e-10 * size
             if (P[len(both) :] >= 0).all() and all(float(r @ new) >= x - scale for r, x, _ in one):
-                found.append(new)
+                every = np.zeros(len(both) + len(one))
+                every[[True] * len(both) + list(active)] = P
+                found.append((new, every))
         if not found:
             raise NoEvidenceError("no impulse fits")
-        if any(np.abs(f - found[0]).max() > 1e-7 * max(size, 1e-300) for f in found):
+        if any(np.abs(f - found[0][0]).max() > 1e-7 * max(size, 1e-300) for f, _ in found):
             raise NoEvidenceError("several impulses fit")
         return found[0]
+
+
+def _heat_of(members: list[Any]) -> int:
+    """The state that counts the heat of what locks: -1 none, -2 that of one of several that share their impulse."""
+    heats = {m.heat for m in members}
+    return -2 if len(members) > 1 and heats != {-1} else heats.pop()

@@ -62,7 +62,7 @@ class Integration:
         while done < len(t):
             if self.kicks and now >= self.kicks[0]:
                 del self.kicks[0]
-                y = self._kicked(y)
+                y = self._kicked(now, y)
             until = self.kicks[0] if self.kicks else self.span
             if d.n1:  # stiff there: speeds follow from small differences, which the dense output does not keep
                 until = min(until, float(t[min(done + (t[done] <= now), len(t) - 1)]))
@@ -118,7 +118,7 @@ class Integration:
                 size[i:j] = size[i:j].max()
         return np.asarray(self.rtol * np.maximum(np.abs(y), 1e-2 * size))
 
-    def _kicked(self, y: Array) -> Array:
+    def _kicked(self, t: float, y: Array) -> Array:
         """Angles and speeds changed at random, relative to their largest values, within what is stuck and closed."""
         q, v = slice(0, self.d.cut[0]), slice(self.d.cut[1], self.d.cut[2])
         if not (self.alike and len(self.direction)):
@@ -126,9 +126,9 @@ class Integration:
         change = self.perturbation * self.largest * self.direction
         turned, kicked = y.copy(), y.copy()
         turned[v] = change[q]  # a change of angles keeps the constraints as speeds do
-        kicked[q] += self.modes.project(turned, moved=False)[v]
+        kicked[q] += self.modes.project(t, turned, moved=False)[v]
         kicked[v] += change[v]
-        return self.modes.project(kicked)
+        return self.modes.project(t, kicked)
 
     # -- events -------------------------------------------------------------------------------------------------------
 

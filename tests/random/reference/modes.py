@@ -151,7 +151,7 @@ class Modes(Impacts):
         """The projected state and its accelerations, if the modes that are asked for hold for that long."""
         self.set(modes)
         self.s.context.t = t
-        y = self.project(y)
+        y = self.project(t, y)
         first = self.d(t, y)
         acceleration = first[self.d.cut[1] : self.d.cut[2]]
         size = max(self.force(t, y), 1e-300)
@@ -238,13 +238,15 @@ class Modes(Impacts):
         self.most = max(self.most, size)
         return max(size, 1e-7 * self.most)
 
-    def project(self, y: Array, moved: bool = True) -> Array:
+    def project(self, t: float, y: Array, moved: bool = True) -> Array:
         """Speeds without slip along what is active, and without that of rounding along what begins to slide.
 
         moved: what ties ask for over time counts.
         """
         s, small = self.s, self.small()
         q, v = self.qv(y)
+        if s.nonlinear:  # ties read the time and the states of now
+            self.d.coordinates(t, y)
         losses = [self.d._losses(g, float(g.ra @ v)) for g in s.lossy]
         G, _, _ = self.d.active(q, v, losses)
         begins = [d.row for d in s.dry if abs(d.mode) == 1 and abs(float(d.row @ v)) <= small]
