@@ -20,6 +20,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_memory",
         "gb_growth",
         "gb_tolerance",
+        "gb_turned_gears",
     ),
     ("gb_limit_noise", "gb_constraint_forces", "gb_force_noise"),
     ("gb_noise", "gb_flight"),

@@ -162,7 +162,7 @@ class Judge:
             shuffled = self._build("shuffled", self.train, Random(f"order {self.train.seed}"))
             if shuffled is not None:
                 self._run("shuffled", shuffled, method=used or "dp8", rtol=FINE)
-        if self.train.family == "inertialess":
+        if self.train.family in ("inertialess", "positioner"):
             self._against_limit()
         else:
             self._against_reference()
@@ -237,16 +237,19 @@ class Judge:
             self.verdict.notes.append("no reference: too slow")
 
     def _against_limit(self) -> None:
-        """Against the same train with small inertias where there are none, extrapolated twice: other equations, states and
-        switching than those of algebraic forces. What both extrapolations do not agree on is no evidence."""
+        """Against the same train with small inertias where there are none, or steep lines where relays jump, extrapolated
+        twice: other equations, states and switching. What both extrapolations do not agree on is no evidence."""
         from tests.random.families.inertialess import with_inertias
+        from tests.random.families.positioner import widened
+
+        made = widened if self.train.family == "positioner" else with_inertias
 
         self.stage("limit")
         found: list[Motion] = []
         if not self.runs:
             return
         for share in (4e-4, 2e-4, 1e-4):
-            train = with_inertias(self.train, share)
+            train = made(self.train, share)
             try:
                 with cpu_limit(CPU_LIMIT):
                     run = self.gb.simulate(build(train, self.gb), t=self.t, rtol=1e-8, **arguments(train, self.gb))

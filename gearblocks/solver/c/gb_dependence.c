@@ -2,6 +2,7 @@
 #include "gb_constraint_state.h"
 #include "gb_modes.h"
 #include "gb_rates.h"
+#include "gb_turned_gears.h"
 #include "gb_vector.h"
 
 static const double SAME = 1e-12; /* of the terms of a difference: what is left of it is nothing */
@@ -68,6 +69,10 @@ static int depends(gb_sim *sim, int i, double below, double above, double larges
     if (same) {
         return 0;
     }
+    const int gear = gb_sign_of_gear(sim, i);
+    if (gear >= 0 && sim->head->events.n_sliding == 1) {
+        return !gb_sign_agrees(sim->sliding.mode[i], above, fabs(above) + fabs(below));
+    }
     if (sim->events.role[i] == GB_SILENT && sim->mode[i] < 0.5 && below <= 0.0 && above <= 0.0) {
         return 0; /* of a capacity, with its sign turned: one of 0 on one side rubs with nothing there */
     }
@@ -112,9 +117,10 @@ int gb_slips_turn(gb_sim *sim, const double *share) {
         }
     }
     for (int c = 0; c < model->n_constraints; c++) {
-        const int slip = model->constraints[c].slip;
-        if (model->constraints[c].kind == GB_FRICTION && !gb_is_active(sim, c) && gb_flips_at_front(sim, slip) &&
-            sim->mode[slip] * mean[c] < 0.0) {
+        const gb_constraint *of = &model->constraints[c];
+        const int slides = (of->kind == GB_FRICTION || of->kind == GB_LOSS) && !gb_is_active(sim, c);
+        if (slides && (gb_flips_at_front(sim, of->slip) || gb_flips_at_front(sim, of->active)) &&
+            sim->mode[of->slip] * mean[c] < 0.0) {
             return 1;
         }
     }

@@ -221,11 +221,11 @@ int gb_update_states(gb_sim *sim) {
     return GB_DONE;
 }
 
-/* How many frictions rest on limits; one more where the mean of sides that slide holds constraints. */
+/* How many switches rest or are held on limits; one more where the mean of sides that slide holds constraints. */
 static int count_rests(const gb_sim *sim) {
     int count = sim->head->events.by_mean != 0;
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        count += sim->head->events.resting[j] >= 0;
+        count += sim->head->events.resting[j] != -1;
     }
     return count;
 }

@@ -165,10 +165,10 @@ struct gb_event_state {
     double look_ahead;           /* > 0: how far ahead the motion tells what constraints do from here */
     long long look_at, look_gap; /* events when rests on limits are looked at again; how many lie between */
     long long crowd;             /* events when it was last asked whether they let time go on, */
-    double t_crowd, rested_at[GB_SLIDING], admitted[GB_SLIDING]; /* the time then; see gb_limit_bend.h */
+    double t_crowd, target, rested_at[GB_SLIDING], reach[GB_SLIDING], admitted[GB_SLIDING]; /* see gb_limit_bend.h */
     int forces_agreed; /* enclosed constraint forces were right at the start of a step since the modes changed */
     int n_sliding, sliding[GB_SLIDING], resting[GB_SLIDING]; /* see gb_sliding.h, gb_rates.h */
-    uint64_t mode_hash, by_mean; /* of all modes; constraints (bits) that the mean of sides that slide holds */
+    uint64_t mode_hash, by_mean, turned; /* of all modes; bits: constraints that a mean holds, see gb_turned_gears.h */
     uint64_t remembered_modes[GB_MEMORY];
     double remembered_step[GB_MEMORY];
 };
@@ -216,14 +216,14 @@ typedef struct gb_lanes {
     double *t, *u, *time_terms;
 } gb_lanes;
 
-/* Events, by switch. In the block: up to `swings`. */
+/* Events, by switch. In the block: up to `swings_from`. */
 struct gb_events {
     double *lo, *hi;
     double *armed;               /* -1 or 1: it has just flipped and is watched from its lower or upper limit */
     double *pending, *next_mode; /* pending != 0: it flips at the front, into next_mode */
     double *next_time;           /* time switches: when they leave their mode (into next_mode) */
     double *flip_time, *flips;   /* the last flip, and how many without progress */
-    double *held, *held_side, *shortest, *shortest_at, *swings; /* see gb_departure.h and gb_swings.h */
+    double *held, *held_side, *shortest, *shortest_at, *swings, *swings_from; /* see gb_departure.h, gb_swings.h */
     double *defect;                    /* slopes of a dense polynomial and rates there, by state */
     int *role;                         /* who decides about its mode */
     double *mode_before;               /* modes before an event */

@@ -9,6 +9,7 @@ static const double point[POINTS] = {-2.0, -1.0, 1.0, 2.0};
 static const double first[POINTS] = {1.0 / 12.0, -8.0 / 12.0, 8.0 / 12.0, -1.0 / 12.0};
 static const double second[POINTS] = {-1.0 / 12.0, 16.0 / 12.0, 16.0 / 12.0, -1.0 / 12.0};
 static const double NEAR = 2e-2;     /* of a step: between points */
+static const double TURN = 1e-2;     /* rad or m: and no farther */
 static const double FIRST = 1e-3;    /* s */
 static const double ADMITTED = 1e-2; /* of what is admitted: rounding of differences */
 static const double ROUNDING = 16.0 * DBL_EPSILON;
@@ -30,6 +31,14 @@ static double points_apart(double size, double h, double admitted) {
     return least < HUGE_VAL ? gb_max(NEAR * h, least) : NEAR * h;
 }
 
+static double fastest(const gb_model *model, const double *f) {
+    double most = 0.0;
+    for (int k = 0; k < model->n - model->n_speeds; k++) {
+        most = gb_max(most, fabs(f[k]));
+    }
+    return most;
+}
+
 /* y with the coordinates moved along rates f, which change by c, for a time. */
 static const double *moved(gb_sim *sim, const double *y, double time, const double *f, const double *c) {
     const gb_model *model = sim->model;
@@ -42,15 +51,16 @@ static const double *moved(gb_sim *sim, const double *y, double time, const doub
 }
 
 void gb_limit_bend(gb_sim *sim, int i, const double *f, const gb_lanes *at, int lane, const double *y, double h,
-                   double admitted, double bend[2]) {
+                   double admitted, double bend[3]) {
     const gb_model *model = sim->model;
     double *change = sim->sliding.rates + (size_t)(1 + GB_SLIDING) * (size_t)model->n_total;
     double *there = change + model->n_total, *s = sim->sliding.functions;
     gb_lanes *own = &sim->sliding.lanes;
     model->event_functions(sim->par, sim->mode, at->time_terms + lane, y, s);
     const double here = s[i], size = size_of_terms(sim, i, here, at->time_terms + lane, y);
-    const double apart = points_apart(size, h, admitted);
+    const double apart = gb_min(points_apart(size, h, admitted), TURN / gb_max(fastest(model, f), DBL_MIN));
     bend[0] = bend[1] = 0.0;
+    bend[2] = here;
     for (int p = 0; p < POINTS; p++) {
         own->t[p] = at->t[lane] + point[p] * apart;
         for (int k = 0; k < model->n_inputs; k++) { /* of those that move they are overwritten */
@@ -78,20 +88,20 @@ void gb_limit_bend(gb_sim *sim, int i, const double *f, const gb_lanes *at, int 
     bend[1] = fabs(bend[1]) * apart * apart <= 2.0 * ROUNDING * size ? 0.0 : bend[1];
 }
 
-int gb_limit_moves(gb_sim *sim, int j, const double *y) {
+int gb_limit_moves(gb_sim *sim, int j, const double *y, int speed) {
     const gb_model *model = sim->model;
     const struct gb_event_state *events = &sim->head->events;
-    const double admitted = events->admitted[j];
-    double *f = sim->sliding.rates, way[2];
+    const int i = events->sliding[j];
+    double *f = sim->sliding.rates, bend[3];
     if (events->resting[j] == -1) {
         return 0;
     }
-    if (events->resting[j] == GB_HELD) {
-        model->rhs(sim->par, sim->mode, sim->instant.time_terms, y, f);
-        gb_limit_bend(sim, events->sliding[j], f, &sim->instant, 0, y, sim->head->control.h_next, admitted, way);
-    } else {
-        model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, sim->sliding.functions);
-        way[0] = sim->sliding.functions[events->sliding[j]] - events->rested_at[j];
+    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, sim->sliding.functions);
+    const double way = sim->sliding.functions[i] - events->rested_at[j];
+    if (fabs(way) > events->reach[j] || events->resting[j] != GB_HELD || !speed) {
+        return (way > events->reach[j]) - (way < -events->reach[j]);
     }
-    return (way[0] > admitted) - (way[0] < -admitted);
+    model->rhs(sim->par, sim->mode, sim->instant.time_terms, y, f);
+    gb_limit_bend(sim, i, f, &sim->instant, 0, y, sim->head->control.h_next, events->admitted[j], bend);
+    return (bend[0] > events->admitted[j]) - (bend[0] < -events->admitted[j]);
 }

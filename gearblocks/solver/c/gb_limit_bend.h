@@ -7,14 +7,14 @@
 
 #include "gb_internal.h"
 
-/* s' and s'' of event function i in the present modes at lane `lane` of `at`, as the state y moves along rates f of the
- * coordinates, so closely that they are told within a step h; admitted: an error of s' in that step (0: any). */
+/* s', s'' and s of event function i in the present modes at lane `lane` of `at`, as the state y moves along rates f of
+ * the coordinates, so closely that they are told within a step h; admitted: an error of s' in that step (0: any). */
 void gb_limit_bend(gb_sim *sim, int i, const double *f, const gb_lanes *at, int lane, const double *y, double h,
-                   double admitted, double bend[2]);
+                   double admitted, double bend[3]);
 
 /* 0 as long as the limit of the switch that slides as number j stands where it rests or is held, at the time terms at
- * hand and the state y; else -1 or 1, to which side of it the state goes. admitted: how far, or for one that is held
- * how fast, it may. */
-int gb_limit_moves(gb_sim *sim, int j, const double *y);
+ * hand and the state y; else -1 or 1, to which side of it the state goes: farther than its reach, or, where speed says,
+ * one that is held faster than is admitted. */
+int gb_limit_moves(gb_sim *sim, int j, const double *y, int speed);
 
 #endif

@@ -3,10 +3,12 @@
 #include "gb_limit_bend.h"
 #include "gb_rates.h"
 #include "gb_tolerance.h"
+#include "gb_turned_gears.h"
 #include "gb_vector.h"
 
 static const double UNTOLD = 1e-3; /* of the tolerance: the speed that is taken for none */
 static const double NARROW = 1e-1; /* of the tolerance: swings that are taken for none */
+static const double REACH = 10.0;  /* tolerances: how far one that is held may come from its limit */
 static const double SHORT = 1e-3;  /* of the largest step: flips that are looked at */
 static const double SAME = 1e-9;   /* of a speed: what differences leave of it */
 static const double APART = 1e-4;  /* rad or m, of differences */
@@ -14,7 +16,7 @@ static const double APART = 1e-4;  /* rad or m, of differences */
 /* How fast the event function changes along rates f of the coordinates, and over time. room: rates. */
 static double speed_along(gb_sim *sim, int i, const double *f, double *room, double since) {
     const gb_model *model = sim->model;
-    double speed[GB_SLIDING], over_time[2], most = 0.0;
+    double speed[GB_SLIDING], over_time[3], most = 0.0;
     memset(room, 0, sizeof(double) * (size_t)model->n_total);
     gb_limit_bend(sim, i, room, &sim->instant, 0, sim->y, since > 0.0 ? since : sim->head->control.h_next, 0.0,
                   over_time);
@@ -55,6 +57,7 @@ void gb_admit(gb_sim *sim, int j) {
         }
     }
     sim->head->events.admitted[j] = sum;
+    sim->head->events.reach[j] = REACH * gb_tolerance_of(sim, sim->head->events.sliding[j]);
 }
 
 /* Its swings end: so slow, as a part of what is admitted, or so low. */
@@ -77,7 +80,7 @@ static int rubs_by_swings(gb_sim *sim, const double *below, const double *above,
     model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->y, above, other);
     for (int c = 0; c < model->n_constraints; c++) {
         const double slip = sim->constraints.slip[c];
-        if (model->constraints[c].kind == GB_FRICTION && !gb_is_active(sim, c) &&
+        if (model->constraints[c].kind != GB_STOP && model->constraints[c].kind != GB_TIE && !gb_is_active(sim, c) &&
             sim->mode[model->constraints[c].slip] != 0.0 &&
             fabs(slip - impulse * (other[c] - one[c])) <= 0.5 * fabs(slip)) {
             return 1;
@@ -86,13 +89,31 @@ static int rubs_by_swings(gb_sim *sim, const double *below, const double *above,
     return 0;
 }
 
+/* The jump of the rates ends the speed by so many s of it, and works meanwhile. */
+static void end_by_impulse(gb_sim *sim, double impulse, double *below, double *above, double *change) {
+    const gb_model *model = sim->model;
+    const int first = model->n - model->n_speeds;
+    for (int j = first; j < model->n; j++) {
+        change[j] = impulse * (above[j] - below[j]);
+        sim->y[j] -= 0.5 * change[j];
+    }
+    model->rhs_full(sim->par, sim->mode, sim->instant.time_terms, sim->y, below);
+    model->rhs_full(sim->par, sim->sliding.mode, gb_terms_above(sim, &sim->instant, 0), sim->y, above);
+    for (int j = first; j < model->n; j++) {
+        sim->y[j] -= 0.5 * change[j];
+    }
+    for (int k = model->n_padded; k < model->n_total; k++) {
+        sim->y[k] -= impulse * (above[k] - below[k]);
+    }
+}
+
 int gb_hold_last(gb_sim *sim, double since) {
     const gb_model *model = sim->model;
     const struct gb_event_state *events = &sim->head->events;
-    const int n = events->n_sliding, i = events->sliding[n - 1], first = model->n - model->n_speeds;
+    const int n = events->n_sliding, i = events->sliding[n - 1];
     double *below = sim->sliding.rates, *above = below + model->n_total, *room = above + model->n_total;
     double speed[2][GB_SLIDING];
-    if (reads_speeds(sim, i)) {
+    if (reads_speeds(sim, i) || !gb_turn_gears(sim)) {
         return 0;
     }
     model->rhs(sim->par, sim->mode, sim->instant.time_terms, sim->y, below);
@@ -107,11 +128,11 @@ int gb_hold_last(gb_sim *sim, double since) {
     gb_accelerations_along(sim, below, &sim->instant, 0, sim->y, speed[0]);
     gb_accelerations_along(sim, above, &sim->instant, 0, sim->y, speed[1]);
     const double jump = speed[1][n - 1] - speed[0][n - 1];
-    if (!(jump < 0.0) || rubs_by_swings(sim, below, above, rate / jump)) {
+    const double longest = SHORT * sim->head->control.h_largest; /* of swings: what drives back ends them sooner */
+    if (!(jump < 0.0) || fabs(rate) > -jump * longest || rubs_by_swings(sim, below, above, rate / jump)) {
         return 0;
     }
-    for (int j = first; j < model->n; j++) {
-        sim->y[j] -= rate / jump * (above[j] - below[j]);
-    }
+    sim->head->events.rested_at[n - 1] = sim->events.s[i];
+    end_by_impulse(sim, rate / jump, below, above, room);
     return 1;
 }

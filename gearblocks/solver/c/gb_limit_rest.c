@@ -140,7 +140,7 @@ static int rest_together(gb_sim *sim, int i, double before, int c, double direct
 /* The limit of switch i goes by itself, as it reads time, as fast as the swings about it that took so long. */
 static int goes_by_itself(gb_sim *sim, int i, double since) {
     const gb_model *model = sim->model;
-    double *rates = sim->sliding.rates, way[2], swings[2];
+    double *rates = sim->sliding.rates, way[3], swings[3];
     const double h = since > 0.0 ? AS_LONG * since : sim->head->control.h_next;
     memset(rates, 0, sizeof(double) * (size_t)model->n_total);
     gb_limit_bend(sim, i, rates, &sim->instant, 0, sim->y, h, 0.0, way);
@@ -169,7 +169,7 @@ static int rest(gb_sim *sim, int i, double before, int c) {
     gb_set_mode(sim, of->slip, 0.0, 0);
     events->resting[events->n_sliding] = c;
     events->rested_at[events->n_sliding] = sim->events.s[i];
-    events->admitted[events->n_sliding] = MOVED * gb_tolerance_of(sim, i);
+    events->reach[events->n_sliding] = MOVED * gb_tolerance_of(sim, i);
     events->sliding[events->n_sliding++] = i;
     gb_factor_active_set(sim, sim->mode, sim->instant.time_terms, sim->y);
     gb_project_velocities(sim, sim->instant.time_terms);

@@ -13,6 +13,7 @@ static const double NEAR = 1e-3;  /* its points, in steps: it tells 1e-12 of wha
 static const double APART = 1e-4; /* rad or m: where the direction alone counts */
 static const double ROUNDING = 64.0 * DBL_EPSILON;
 static const double BACK = 0.1;   /* part of a step: so soon what errors have left of a rate that is held goes back */
+static const double TOLD = 1e-4;  /* of its reach: a way that is an error */
 static const double LEAST = 1e-9; /* share in a recorded mode, that shows as one */
 
 int gb_slides(const gb_sim *sim, int i) {
@@ -28,6 +29,10 @@ void gb_set_above(gb_sim *sim, int which) {
     memcpy(sim->sliding.mode, sim->mode, sizeof(double) * sim->unlocated.n_carried);
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
         sim->sliding.mode[sim->head->events.sliding[j]] += which >> j & 1;
+    }
+    for (int c = 0; which != 0 && sim->head->events.turned >> c != 0; c++) {
+        const int sign = sim->model->constraints[c].slip;
+        sim->sliding.mode[sign] *= sim->head->events.turned >> c & 1 ? -1.0 : 1.0;
     }
 }
 
@@ -121,13 +126,14 @@ static double step_ahead(const gb_sim *sim) {
     return h > 0.0 ? h : NEAR;
 }
 
-/* Of one that is held: what its rate changes by beside the accelerations, and what brings it back to none. */
+/* Of one that is held: what its rate changes by beside the accelerations, and what brings it back from errors. */
 static double bend_of_held(gb_sim *sim, int j, const gb_lanes *at, int lane, const double *y) {
     const struct gb_event_state *events = &sim->head->events;
-    const double h = step_ahead(sim);
-    double bend[2];
+    const double h = step_ahead(sim), back = BACK / h;
+    double bend[3];
     gb_limit_bend(sim, events->sliding[j], sim->sliding.rates, at, lane, y, h, events->admitted[j], bend);
-    return bend[1] + 2.0 * BACK / h * bend[0];
+    const double way = bend[2] - events->rested_at[j];
+    return bend[1] + back * (2.0 * bend[0] + (fabs(way) > TOLD * events->reach[j] ? back * way : 0.0));
 }
 
 /* How fast the event functions of those that slide change along rates f; of those that are held, how fast their rates

@@ -82,6 +82,7 @@ int gb_move(gb_sim *sim, double target) {
 int gb_advance_within(gb_sim *sim, double t, long moves) {
     gb_head *head = sim->head;
     int code = begin(sim);
+    head->events.target = t;
     while (code == GB_DONE && (head->front.t1 < t || (head->front.t1 == t && head->events.pending))) {
         if (moves-- <= 0) {
             head->front.t_comm = head->front.t1;
@@ -222,6 +223,7 @@ int gb_run(gb_sim *sim, const double *t_out, long n_out, double t_end, gb_record
     const double target = t_out ? (n_out > 0 ? t_out[n_out - 1] : sim->head->front.t1) : t_end;
     const clock_t until = clock() + (clock_t)(gb_min(slice, 1e6) * CLOCKS_PER_SEC);
     int code = begin(sim), count = 0;
+    sim->head->events.target = target;
     if (code == GB_DONE && record->watches && sim->head->counts.steps + sim->head->counts.events == 0) {
         code = gb_watches_take(sim, record->watches, 0);
     }

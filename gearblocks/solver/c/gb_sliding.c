@@ -10,6 +10,7 @@
 #include "gb_rates.h"
 #include "gb_report.h"
 #include "gb_time_terms.h"
+#include "gb_turned_gears.h"
 #include "gb_vector.h"
 
 enum { HALVINGS = 60, LOOKS = 4 };
@@ -23,12 +24,13 @@ static void forget(gb_sim *sim, int i) {
         if (events->sliding[j] != i) {
             events->resting[n] = events->resting[j];
             events->rested_at[n] = events->rested_at[j];
+            events->reach[n] = events->reach[j];
             events->admitted[n] = events->admitted[j];
             events->sliding[n++] = events->sliding[j];
         }
     }
     events->n_sliding = n;
-    events->by_mean = 0;
+    events->by_mean = events->turned = 0;
 }
 
 /* Every share lies between its ends, as far as that can be told. */
@@ -45,7 +47,7 @@ static int shares_fit(int n, const double *share) {
 static int all_fits(gb_sim *sim) {
     double share[GB_SLIDING];
     sim->head->events.by_mean = 0;
-    return gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) == 2 &&
+    return gb_turn_gears(sim) && gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) == 2 &&
            shares_fit(sim->head->events.n_sliding, share) && !gb_others_depend(sim, sim->y, share, 1);
 }
 
@@ -162,17 +164,23 @@ void gb_stick_by_mean(gb_sim *sim) {
     memcpy(sim->y, sim->z, sizeof(double) * (size_t)sim->model->n_total);
 }
 
-/* One whose limit has gone away from it, or else one that is held, which nothing holds any more, leaves; 0: there is
- * none. */
-static int leave_limits(gb_sim *sim, int fits) {
+static double event_function_now(gb_sim *sim, int i) {
+    sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->sliding.functions);
+    return sim->sliding.functions[i];
+}
+
+/* One whose limit has gone away from it, or else one that slides or is held, which the mean holds no more, leaves; 0:
+ * there is none. */
+static int leave_limits(gb_sim *sim, int fails, int turns) {
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        const int i = sim->head->events.sliding[j], held = sim->head->events.resting[j] == GB_HELD;
-        if (held) {
+        const int i = sim->head->events.sliding[j], resting = sim->head->events.resting[j];
+        if (resting == GB_HELD) {
             gb_admit(sim, j);
         }
-        const int way = gb_limit_moves(sim, j, sim->y);
-        if (way != 0 || (held && !fits)) {
-            gb_leave_sliding(sim, i, sim->mode[i] + (way > 0));
+        const int way = gb_limit_moves(sim, j, sim->y, 1);
+        if (way != 0 || (resting < 0 && fails) || (resting == GB_HELD && turns)) {
+            const double s = event_function_now(sim, i);
+            gb_leave_sliding(sim, i, way != 0 ? sim->mode[i] + (way > 0) : sim->model->mode_at(sim->par, i, s));
             return 1;
         }
     }
@@ -185,11 +193,13 @@ int gb_settle_sliding(gb_sim *sim) {
     while (code == GB_DONE && sim->head->events.n_sliding > 0) {
         const int n = sim->head->events.n_sliding;
         const int first = sim->head->events.sliding[0];
-        const int found = gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share), fit = found && shares_fit(n, share);
+        const int turned = gb_turn_gears(sim);
+        const int found = turned ? gb_find_shares(sim, 0, &sim->instant, 0, sim->y, share) : 0,
+                  fit = found && shares_fit(n, share);
         sim->head->events.by_mean = 0;
         const int fails = found < 2 || (fit && gb_others_depend(sim, sim->y, share, 1)),
                   turns = fit && !fails && gb_slips_turn(sim, share);
-        if (leave_limits(sim, !fails && !turns)) {
+        if (leave_limits(sim, fails, turns)) {
             continue;
         }
         if (fails) {
@@ -222,7 +232,10 @@ static int inside(gb_sim *sim, double theta, double *margin, int *which, double 
     }
     gb_dense_states(sim, theta, y);
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
-        const int way = sim->head->events.resting[j] >= 0 ? gb_limit_moves(sim, j, y) : 0;
+        if (sim->head->events.resting[j] == GB_HELD && sim->head->events.reach[j] == 0.0) { /* since the start */
+            gb_admit(sim, j);
+        }
+        const int way = gb_limit_moves(sim, j, y, 0);
         if (way != 0) {
             *which = sim->head->events.sliding[j];
             *mode = sim->mode[*which] + (way > 0);

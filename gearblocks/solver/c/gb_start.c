@@ -55,6 +55,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->events.shortest, 0, switches);
     memset(sim->events.shortest_at, 0, switches);
     memset(sim->events.swings, 0, switches);
+    memset(sim->events.swings_from, 0, switches);
     memset(sim->constraints.impacts, 0, sizeof(double) * (size_t)m->n_constraints);
     memset(sim->constraints.impact_speed, 0, 2 * sizeof(double) * (size_t)m->n_constraints);
     for (int i = 0; i < m->n_switches; i++) {

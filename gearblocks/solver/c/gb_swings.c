@@ -14,6 +14,7 @@ enum { SETTLED = 64 };                 /* flips since the shortest swing: roundi
 enum { TOO_MANY = 10000, LOOKS = 64 }; /* swings in a row; of so many it is asked whether anything tells them */
 static const double NO_STEP = 1e-6; /* of the largest step: flips that follow so closely come of rounding, or in vain */
 static const double CLOSE = 1e-3;   /* of the largest step: flips that may be swings of nothing */
+static const double LEFT = 20.0;    /* times as long: the rest of a run that is given up */
 static const double NARROW =
     1e-2; /* of the tolerance: how far swings that nothing tells take it; see gb_limit_hold.h */
 
@@ -24,6 +25,9 @@ static int have_settled(gb_sim *sim, int i, double since) {
     if (*swings <= 1.0 || since < *shortest) {
         *shortest = since;
         *at = *swings;
+    }
+    if (*swings <= 1.0) {
+        sim->events.swings_from[i] = sim->head->front.t1;
     }
     return *swings - *at > SETTLED;
 }
@@ -43,13 +47,15 @@ static int is_narrow(gb_sim *sim, int i) {
     return gb_time_terms_at(sim, front->t1) == GB_DONE && way <= NARROW * gb_tolerance_of(sim, i);
 }
 
-/* Swings that nothing tells any more, that have settled and come to no rest, are too many. */
+/* Swings that nothing tells any more, that have settled and come to no rest, are too many, where many times as many are
+ * to come. */
 static int refuse_swings(gb_sim *sim, int i, int settled) {
+    const double t = sim->head->front.t1, lasted = t - sim->events.swings_from[i];
     double *swings = sim->events.swings + i;
-    if (*swings > TOO_MANY && !(settled && is_narrow(sim, i))) {
+    if (*swings > TOO_MANY && !(settled && sim->head->events.target - t > LEFT * lasted && is_narrow(sim, i))) {
         *swings = 0.0;
     }
-    return *swings > TOO_MANY + LOOKS ? gb_fail(sim, GB_ERR_CHATTER, i, sim->head->front.t1, -*swings) : GB_DONE;
+    return *swings > TOO_MANY + LOOKS ? gb_fail(sim, GB_ERR_CHATTER, i, t, -*swings) : GB_DONE;
 }
 
 int gb_count_flip_or_slide(gb_sim *sim, int i) {

@@ -152,24 +152,23 @@ def test_swings_that_rounding_keeps_up_are_at_rest(target, coulomb, viscous, end
     assert run.stats.events < 3000
 
 
-def _governed(tau):
-    """A torque over the speed of a body, and a lossy gear to another one: a change of its sign changes that of the losses."""
+def _governed(drive):
+    """A torque over the speed of a body, and a second one that jumps with the sign of the first."""
     rig = gb.Drivetrain("governed")
-    body, gear = rig.add("body", gb.Inertia(J=1.0)), rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.8, 0.8)))
-    rig.chain(rig.add("drive", gb.Torque(tau=tau)), body, gear, rig.add("load", gb.Inertia(J=1.0)))
+    second = gb.Torque(tau=gb.piecewise((0.3, gb.sense("drive.torque") > 0.0), (0.0, True)))
+    rig.chain(rig.add("drive", gb.Torque(tau=drive)), rig.add("body", gb.Inertia(J=1.0)), rig.add("second", second))
     return rig
 
 
 def test_swings_that_nothing_tells_and_that_come_to_no_rest_stop_by_name():
     w = gb.sense("body.w")
-    rig = _governed(gb.piecewise((1.0, w + 0.5 * gb.sense("body.phi") < 1.0), (-1.0, True)))
+    rig = _governed(gb.piecewise((1.0, w < 1.0), (-1.0, True)))
     with pytest.raises(
         gb.SimulationError, match=r"'drive': 100\d\d swings of its switch 1 .*narrow.* no rest .* width"
     ):
-        gb.simulate(rig, t_end=60.0)
-    steep = _governed(gb.maximum(-1.0, gb.minimum(1.0, 1e4 * (1.0 - w - 0.5 * gb.sense("body.phi")))))
-    run = gb.simulate(steep, t_end=60.0)
-    assert run["body.w"][-1] + 0.5 * run["body.phi"][-1] == pytest.approx(1.0, abs=1e-3)
+        gb.simulate(rig, t_end=60.0, rtol=1e-9, method="dp5")
+    steep = _governed(gb.maximum(-1.0, gb.minimum(1.0, 1e4 * (1.0 - w))))
+    assert gb.simulate(steep, t_end=60.0)["body.w"][-1] == pytest.approx(1.0, abs=1e-3)
 
 
 def test_a_law_that_drives_away_from_its_limit_holds_nothing():

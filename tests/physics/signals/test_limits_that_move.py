@@ -99,6 +99,14 @@ def test_what_starts_on_a_limit_with_its_speed_goes_with_it(method):
     assert run["drive.torque"][1:] == pytest.approx(0.2, rel=1e-9)
 
 
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8])
+def test_the_impulse_that_ends_the_swings_works(rtol):
+    """On a body that moves: by some parts of the tolerance of its energy."""
+    run = gb.simulate(_positioner(0.1 * gb.time, gb.Damper(c=3.0)), t=[20.0], rtol=rtol)
+    assert any(e.after == 0.5 for e in run.events)
+    assert run.energy.residual < 0.3 * rtol
+
+
 def test_a_set_point_of_a_caller_moves_what_rests():
     model = _positioner(gb.Input("target", 1.0), BESIDE["brake"])
     rested = gb.simulate(model, t_end=20.0)

@@ -1,4 +1,4 @@
-"""Sixteen families of random trains; each is a function from a seed to a description."""
+"""Seventeen families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from tests.random.families.inertialess import inertialess
 from tests.random.families.laws import laws
 from tests.random.families.lossy import lossy
 from tests.random.families.mixed import mixed
+from tests.random.families.positioner import positioner
 from tests.random.families.rounded import rounded
 from tests.random.families.smooth import smooth
 from tests.random.families.starts import starts
@@ -41,6 +42,7 @@ FAMILIES: dict[str, Callable[[int], Train]] = {
         rounded,
         warm,
         given,
+        positioner,
     )
 }
 
