@@ -72,6 +72,7 @@ def _massless_constraints(assembly: Assembly) -> Iterator[tuple[int, tuple[str, 
                     _refuse_stop(path, row)
                 elif row and name == "loss" and constraint.losses and not independent.left(row):
                     behind = True
+                    _refuse_lost_behind(path, rows.get(batch.groups["b"][e] if "b" in batch.groups else GROUND_GROUP))
                 elif row:
                     names.append(name)
                     geared |= row.keys() if name == "tie" else set()
@@ -89,14 +90,22 @@ def _note(independent: Elimination, row: dict[int, Exact], path: str, geared: bo
     """
     left = independent.left(row)
     if not left:
-        small = (
-            "; 1e-6 of that on the other side of the gear does, and is not stiff, as the gear ties it" if geared else ""
-        )
-        raise ModelError(
-            f"'{path}': several elements that can stick act on one shaft without inertia, whose balance does not tell their "
-            f"forces apart; put an Inertia there{small}"
-        )
+        raise ModelError(_several(path, geared))
     independent.solve(Combination(dict(left)), next(iter(left)))
+
+
+def _several(path: str, geared: bool) -> str:
+    small = "; 1e-6 of that on the other side of the gear does, and is not stiff, as the gear ties it" if geared else ""
+    return (
+        f"'{path}': several elements that can stick act on one shaft without inertia, whose balance does not tell their "
+        f"forces apart; put an Inertia there{small}"
+    )
+
+
+def _refuse_lost_behind(path: str, massless: dict[int, Exact] | None) -> None:
+    """ModelError where what a gear loses would act on its side b, which has no inertia either."""
+    if massless:
+        raise ModelError(_several(path, geared=True))
 
 
 def _refuse_stop(path: str, row: dict[int, Exact]) -> None:
