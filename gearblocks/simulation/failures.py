@@ -5,6 +5,7 @@ Knows nothing of trajectories.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 
@@ -38,7 +39,7 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         if p.path.endswith((".J", ".m")) and v == 0
     ]
     of_rates = code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START)
-    if of_rates and program.algebraic_slips and (flange := _free_flange(program, sim)):
+    if of_rates and (flange := _free_flange(program, sim)):
         element, _, side = flange.rpartition(".")
         return element, f"nothing tells how fast its side {side} turns, a shaft without inertia", _FREE
     if of_rates and massless:
@@ -57,12 +58,18 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
 
 
 def _free_flange(program: Program, sim: Simulation) -> str | None:
-    """A flange of friction at a shaft without inertia, whose speed has no number where a run stopped."""
+    """A flange of friction at a shaft without inertia, or else of an element between two flanges, whose speed has no number
+    where a run stopped."""
     slips, names = {slip.component for slip in program.algebraic_slips}, program.output_numbers
     values = next(_ahead(sim, len(program.switches)), None)
-    speeds = (name for name in names if name.endswith(".w") and name.removesuffix(".w").rpartition(".")[0] in slips)
-    free = (name.removesuffix(".w") for name in speeds if values is not None and np.isnan(values[names[name]]))
-    return next(free, None)
+    if values is None:
+        return None
+    flanges = [n.removesuffix(".w") for n in names if n.endswith(".w") and f"{n.removesuffix('.w')}.tau" in names]
+    count = Counter(flange.rpartition(".")[0] for flange in flanges)
+    free = [flange for flange in flanges if np.isnan(values[names[f"{flange}.w"]])]
+    alone = any(count[flange.rpartition(".")[0]] == 1 for flange in free)  # of a source that may have no number itself
+    first = (flange for flange in free if flange.rpartition(".")[0] in slips)
+    return next(first, None) or (None if alone else next(iter(free), None))
 
 
 def _source(program: Program, sim: Simulation) -> tuple[str, str] | None:
@@ -153,7 +160,8 @@ _OF_A_SOURCE = (
 
 _FREE = (
     "in this mode nothing holds it: friction that is free, teeth in their gap and clipped contact damping hold nothing; "
-    "give a spring beside it a c, a gap contact_damping='always', or the shaft an Inertia"
+    "give a spring beside it a c, a gap contact_damping='always', or the shaft an Inertia, or a Damper to the ground "
+    "(of 1e-5 of the c of its gaps: what has inertia hardly feels it)"
 )
 """Where the balance of a shaft without inertia has no answer."""
 

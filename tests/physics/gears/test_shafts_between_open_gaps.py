@@ -1,0 +1,61 @@
+"""Shafts without inertia between two gaps with clipped damping: where both are open nothing tells how fast they turn, and a run
+stops by name. What has inertia does not feel how they do, as they pass a torque on only where both gaps press: with a little
+drag on them the run is the limit of vanishing inertias."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+
+T = np.linspace(0.0, 2.0, 101)
+BETWEEN = {
+    "nothing": lambda: None,
+    "an ideal gear": lambda: gb.IdealGear(ratio=1.5),
+    "a clutch": lambda: gb.Clutch(capacity=8.0),
+    "a lossy gear without bearing torques": lambda: gb.LossyGear(ratio=1.5, efficiency=(0.9, 0.8)),
+}
+
+
+def between_gaps(kind: str, beside: gb.Block | None) -> gb.Drivetrain:
+    """Two bodies, two gaps, and what is between them, with something on each of its shafts."""
+    rig = gb.Drivetrain(f"{kind} between gaps")
+    one, other = rig.add("one", gb.Inertia(J=1.0, w0=2.0)), rig.add("other", gb.Inertia(J=2.0, w0=-1.0))
+    first = rig.add("first", gb.Lash(k=1000.0, c=2.0, half_gap=0.05))
+    second = rig.add("second", gb.Lash(k=400.0, c=1.0, half_gap=0.02))
+    drive = rig.add("drive", gb.Torque(tau=12.0 * gb.sin(7.0 * gb.time)))
+    rig.connect(drive.flange, one.a)
+    rig.connect(one.b, first.a)
+    rig.connect(other.a, second.b)
+    block = BETWEEN[kind]()
+    middle = rig.add("middle", block) if block is not None else None
+    nodes = [(first.b, second.a)] if middle is None else [(first.b, middle.a), (middle.b, second.a)]
+    for i, ends in enumerate(nodes):
+        if beside is None:
+            rig.connect(*ends)
+            continue
+        part = rig.add(f"beside{i}", beside)
+        rig.connect(*ends, part.a)
+        if isinstance(beside, gb.Damper):
+            rig.connect(part.b, rig.add(f"ground{i}", gb.Fixed()).flange)
+    return rig
+
+
+@pytest.mark.parametrize("kind", BETWEEN)
+def test_where_nothing_tells_how_fast_it_turns_the_run_stops_by_name_with_what_helps(kind: str) -> None:
+    what = r"nothing tells how fast its side . turns, .* contact_damping='always', .* a Damper to the ground"
+    with pytest.raises(gb.SimulationError, match=what):
+        gb.simulate(between_gaps(kind, None), t=T)
+
+
+@pytest.mark.parametrize("kind", BETWEEN)
+@pytest.mark.few(2)
+def test_with_a_little_drag_it_is_the_limit_of_vanishing_inertias(kind: str) -> None:
+    run = gb.simulate(between_gaps(kind, gb.Damper(c=1e-5)), t=T)
+    light, lighter = (
+        gb.simulate(between_gaps(kind, gb.Inertia(J=J)), t=T, method="rodas", rtol=1e-8) for J in (4e-6, 1e-6)
+    )
+    for body in ("one", "other"):
+        limit = 2 * lighter[f"{body}.w"] - light[f"{body}.w"]  # in powers of the root of J
+        assert np.abs(run[f"{body}.w"] - limit).max() < 3e-4 * np.abs(limit).max()
