@@ -13,7 +13,7 @@ if str(ROOT) not in sys.path:
     sys.path.insert(0, str(ROOT))
 
 from tests.random.description import GROUND, Part, Train  # noqa: E402
-from tests.random.expressions import SLIP, TIME, call, sense, table, thing  # noqa: E402
+from tests.random.expressions import SLIP, TIME, call, either, sense, table, thing  # noqa: E402
 from tests.random.reference import NoEvidenceError, reference_motion  # noqa: E402
 from tests.random.reference.steps import Steps  # noqa: E402
 
@@ -181,6 +181,16 @@ def test_of_two_static_peaks_in_a_row_the_smaller_one_breaks(first, second, orde
     alpha_late = (first - first / peak) * late + 3.0 * late**2 / 2
     assert np.abs(motion.speeds[0] - alpha_late).max() < 1e-9
     assert np.abs(motion.speeds[1]).max() < 1e-12
+
+
+def test_of_two_static_peaks_that_a_jump_of_the_load_passes_it_cannot_tell():
+    # the smaller one (the brake) breaks first as the load rises quickly, but both that and the other one alone are motions
+    clutch = Part("x", "Clutch", (("capacity", 7.14), ("peak", 1.2)), (("a", "j"), ("b", "k")))
+    brake = Part("y", "Brake", (("capacity", 3.99), ("peak", 2.0)), (("a", "k"), ("housing", GROUND)))
+    jump = either(14.3, TIME > 0.5, 0.0)
+    train = _train(_body("j", 1.23, w0=0.0), _body("k", 1.2, w0=0.0), clutch, brake, _push("j", jump))
+    with pytest.raises(NoEvidenceError, match="several static peaks"):
+        reference_motion(train, T)
 
 
 @pytest.mark.parametrize(("tau", "holds"), [(4.45, 4.8), (4.2, 4.4), (4.9, 4.8)])

@@ -80,6 +80,7 @@ class Modes(Impacts):
         kept = self.kept(t, y) if smooth and not starting else None
         stays = self.stays(y, kept) if kept is not None else None
         ended = self.ended(y) if kept is not None else []
+        broken = self.broken(t, y) if kept is not None else []
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -99,6 +100,8 @@ class Modes(Impacts):
         if not fits:
             raise NoEvidenceError("no set of modes fits")
         modes, y, _ = self.chosen(self.driven(fits) if smooth and starting else fits, stays, ended, kept)
+        if len(broken) > 1 and any(modes[i] == 0 for i in broken):
+            raise NoEvidenceError("several static peaks that a jump of the load passes")
         self.set(modes)
         self.lock()
         return y
@@ -280,6 +283,17 @@ class Modes(Impacts):
             out.append(g.mode if min(units[at + 1 : at + 4]) > 1e-7 * size else None)
             at += 4
         return out
+
+    def broken(self, t: float, y: Array) -> list[int]:
+        """Units that hold more than they slide with, and less than is asked of them now: which of several lets go first, and
+        what that leaves to the others, is told by the load on its way."""
+        margins = self.d.evaluate(t, y, margins=True)[1]
+        units, size = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :], self.force(t, y)
+        return [
+            i
+            for i, d in enumerate(self.s.dry)
+            if d.mode == 0 and min(units[3 * i + 1 : 3 * i + 3]) < -1e-7 * size and any(map(self.has_peak, d.members))
+        ]
 
     def stays(self, y: Array, kept: list[Any]) -> list[Any]:
         """The same where only what holds more than it slides with is kept, and what has come to slip no more is to stick.
