@@ -22,7 +22,7 @@ static const double GROWTH = 1.25;
 
 /* Tolerance below which rounding would decide, and the strictest, as log2 of the part of the tolerance that is left;
  * from where on it must have helped. */
-static const double LEAST = 1e-11, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 7.0;
+static const double LEAST = 1e-12, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 7.0;
 
 /* Tolerances that one step may add; the power of the step size by which a shorter try of it must add less, else what is
  * out of balance is no error of steps, and that many steps, then twice as many, are not looked at. */
@@ -31,7 +31,7 @@ enum { LEFT_OUT = 16 };
 
 /* Steps up to the first look, between two where something is wrong, and at most; how often strictness may be of no use.
  */
-enum { FIRST = 12, SOON = 16, SELDOM = 512, TRIES = 4 };
+enum { FIRST = 12, SOON = 16, SELDOM = 64, TRIES = 4 };
 
 /* Stored and lost less supplied, at the front; *stored: the first alone. */
 static int balance(gb_sim *sim, double *sum, double *stored) {
@@ -161,7 +161,7 @@ int gb_drift_look(gb_sim *sim) {
         soon = head->front.t1 > drift->t_chosen && !gb_moves_by_rounding(sim) &&
                decide(sim, head->ledger.turnover + head->ledger.stored);
     }
-    drift->gap = first ? FIRST : soon ? SOON : drift->gap < SELDOM ? 2 * drift->gap : SELDOM;
+    drift->gap = first ? FIRST : soon ? SOON : drift->gap < SELDOM / 2 ? 2 * drift->gap : SELDOM;
     drift->look_at = head->counts.steps + drift->gap;
     drift->based = 1;
     drift->last = sum;
