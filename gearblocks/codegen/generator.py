@@ -45,6 +45,7 @@ class Generator:
     times_shared: list[tuple[Operand, Statement]] = field(default_factory=list)
     of_rates: set[Operand] = field(default_factory=set)
     means_shared: list[Statement] = field(default_factory=list)
+    sizes_shared: list[Statement] = field(default_factory=list)
     functions: dict[str, list[Function]] = field(default_factory=dict)
     output_groups: list[OutputGroup] = field(default_factory=list)
     energies: list[EnergyInfo] = field(default_factory=list)

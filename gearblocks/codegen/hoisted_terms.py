@@ -12,6 +12,7 @@ from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.hoisting import HoistedTerm
 from gearblocks.codegen.mean_excitation import mean_of_term
 from gearblocks.codegen.operands import Assignment, Operand, Role, Statement
+from gearblocks.codegen.rounding_of_terms import size_of_term
 from gearblocks.laws.symbols import CONSTANT
 
 
@@ -25,6 +26,7 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
     prepare: list[Assignment] = []
     times: dict[bool, list[Assignment]] = {False: [], True: []}
     means: list[Assignment] = []
+    sizes: list[Assignment] = []
     moving = code.moving_terms({path.rpartition(".")[2] for path in g.feedback})
     inner = {c.symbol: c.expr for c in code.hoister.terms}
     for item in code.hoister.terms:
@@ -43,11 +45,15 @@ def lay_out_terms(g: Generator, code: BatchCode) -> None:
             found = code.offsets.hoisted[item.symbol] = Operand(Role.TIME_TERMS, g.n_time, instance=True)
             times[outputs_only].append(Assignment(found.of_lane(), "=", item.expr, words=words))
             means.append(Assignment(found.of_lane(), "=", mean_of_term(code, item)))
+            size = None if outputs_only else size_of_term(code.hoister, item)
+            if size is not None:
+                sizes.append(Assignment(found.of_lane(), "=", size))
             g.n_time += code.n
     g.keep("prepare", code.function("prepare", prepare))
     g.keep("time_terms", code.function("time_terms", times[False], vector=Role.TIME_TERMS))
     g.keep("output_time_terms", code.function("output_time_terms", times[True], vector=Role.TIME_TERMS))
     g.keep("mean_time_terms", code.function("mean_time_terms", means, vector=Role.TIME_TERMS))
+    g.keep("time_term_sizes", code.function("time_term_sizes", sizes, vector=Role.TIME_TERMS))
 
 
 def _shared(g: Generator, code: BatchCode, item: HoistedTerm, words: str) -> Operand:
@@ -63,8 +69,8 @@ def _shared(g: Generator, code: BatchCode, item: HoistedTerm, words: str) -> Ope
         return found
     found = g.shared[key] = Operand(Role.TIME_TERMS, g.n_time)
     g.times_shared.append((found, Statement(found.of_lane(), "=", text, words=words)))
-    mean = mean_of_term(code, item)
-    names = code.names([mean], vector=Role.TIME_TERMS)
-    g.means_shared.append(Statement(found.of_lane(), "=", names.print(mean)))
+    for expr, kept in ((mean_of_term(code, item), g.means_shared), (size_of_term(code.hoister, item), g.sizes_shared)):
+        if expr is not None:
+            kept.append(Statement(found.of_lane(), "=", code.names([expr], vector=Role.TIME_TERMS).print(expr)))
     g.n_time += 1
     return found

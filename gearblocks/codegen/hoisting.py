@@ -46,6 +46,13 @@ class Hoister:
             return self._split(expr, self.hoist)
         return expr.func(*(self.hoist(a) if symbols_in(a) else a for a in expr.args))
 
+    def written_out(self, expr: Any) -> Any:
+        """The expression with no other time term in it."""
+        timed = {c.symbol: c.expr for c in self.terms if c.level == TIMED}
+        while any(x in timed for x in expr.free_symbols):
+            expr = expr.xreplace(timed)
+        return expr
+
     def spread(self, expr: Any) -> Any:
         """Carries factors that do not move into sums: each summand then has one hoisted term, and the longest chain of
         operations gets shorter. r (c v + k(t) g) becomes (r c) v + (r k(t)) g."""
@@ -77,6 +84,8 @@ class Hoister:
             return expr if _is_plain(expr) else self._term(expr, CONSTANT)
         if not expr.args:
             return expr
+        if expr.is_Add and (exact := self._without_cancellation(expr)) != expr:
+            return self._inside_timed(exact)
         if isinstance(expr, (sp.Add, sp.Mul)):
             constant = [a for a in expr.args if self.pool.level(a) == CONSTANT]
             rest = [self._inside_timed(a) for a in expr.args if self.pool.level(a) != CONSTANT]
@@ -85,6 +94,16 @@ class Hoister:
         if isinstance(expr, (sp.sin, sp.cos)):
             return self._wave(expr)
         return expr.func(*(self._inside_timed(a) if symbols_in(a) else a for a in expr.args))
+
+    def _without_cancellation(self, expr: Any) -> Any:
+        """c - c cos x as 2 c sin^2(x/2): a load that starts softly keeps its digits, which is all that moves a train from
+        rest."""
+        constant = sp.Add(*(a for a in expr.args if self.pool.level(a) == CONSTANT))
+        for term in expr.args:
+            factor, wave = term.as_independent(sp.cos, as_Add=False)
+            if constant != 0 and isinstance(wave, sp.cos) and factor == -constant:
+                return 2 * constant * sp.sin(wave.args[0] / 2) ** 2 + (expr - constant - term)
+        return expr
 
     def _wave(self, expr: Any) -> Any:
         """The time term of a sine or cosine of time. A constant phase that belongs to the instance is taken out by the

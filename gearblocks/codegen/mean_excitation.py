@@ -19,18 +19,14 @@ from gearblocks.codegen.hoisting import HoistedTerm
 from gearblocks.language.signals import Table
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.switching import Mode
-from gearblocks.laws.symbols import TIMED, time_symbol
+from gearblocks.laws.symbols import time_symbol
 
 _LARGEST_POWER = 8  # of sums, which are written out term by term
 
 
 def mean_of_term(code: BatchCode, item: HoistedTerm) -> Any:
     """The mean of a time term in constants, inputs and time; no other time term stands in it."""
-    timed = {c.symbol: c.expr for c in code.hoister.terms if c.level == TIMED}
-    expr = item.expr
-    while any(x in timed for x in expr.free_symbols):
-        expr = expr.xreplace(timed)
-    return mean_of(expr, code)
+    return mean_of(code.hoister.written_out(item.expr), code)
 
 
 def mean_of(expr: Any, code: BatchCode) -> Any:

@@ -30,6 +30,7 @@ class Rosenbrock:
     dense: rows R_2, R_3, .. over the stages; with R_1 = h sum b_j K_j the solution inside the step is
         y0 + th (R1 + (1 - th) (R2 + th (R3 + (1 - th) (R4 + ...)))).
     nodes: points in (0, 1) at which quadratures along the step are sampled, beside 0 and 1; the Lobatto points.
+    instants: points in (0, 1) at which what depends on time alone is known too, for its slope at 0.
     error_order: the power of the step size with which the estimate falls.
     beta: the memory of the step control (0: none).
     """
@@ -44,6 +45,7 @@ class Rosenbrock:
     coupling: tuple[Weights, ...]
     dense: tuple[Weights, ...]
     nodes: Weights
+    instants: Weights
     error_order: int
     beta: float = 0.0
 
@@ -104,6 +106,21 @@ class Rosenbrock:
     def dense_weights(self) -> tuple[Weights, ...]:
         """Every dense row R_m / h as weights over all stages."""
         return tuple((*row, *(0.0,) * (self.all_stages - len(row))) for row in (self.b, *self.dense))
+
+    def slope_weights(self) -> Weights:
+        """Weights w of h du/dt = sum_j w_j u(t + c_j h) over the abscissae and then the instants: the slope at 0 of the
+        polynomial through those that are well inside the step and apart (its end may be where a law jumps)."""
+        every = (*self.all_c, *self.instants)
+        used: list[float] = []
+        for c in sorted(set(every)):
+            if c < 0.9 and (not used or c - used[-1] > 0.03):
+                used.append(c)
+        slope = {}
+        for c in used[1:]:
+            others = [x for x in used[1:] if x != c]
+            slope[c] = math.prod(-x / (c - x) for x in others) / c
+        slope[0.0] = -math.fsum(slope.values())
+        return tuple(slope.get(c, 0.0) if every.index(c) == j else 0.0 for j, c in enumerate(every))
 
     def quadrature_weights(self) -> tuple[Weights, ...]:
         """The rows R_m / h of a quadrature: the integral of the polynomial through the rates at 0, 1 and the nodes."""
@@ -317,6 +334,7 @@ RODAS = Rosenbrock(
         )
     ),
     nodes=((5 - math.sqrt(5)) / 10, (5 + math.sqrt(5)) / 10),
+    instants=(0.05, 0.15),
     error_order=5,
     beta=0.04,
 )

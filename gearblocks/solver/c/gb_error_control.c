@@ -45,10 +45,10 @@ static double largest_in(const double *restrict peak, const double *restrict tri
 }
 
 /* What the error weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes
- * a scale of least_scale; trusted: natural scales from which on the trial does not count (a step from rest may end far
+ * a scale of least_scale; begun: of what has not moved before; trusted: natural scales from which on the trial does not count (a step from rest may end far
  * beyond an event); first, trial: by state, scales in their own right. */
 typedef struct gb_sizes {
-    double rtol, h, least, per_time, trusted;
+    double rtol, h, least, per_time, begun, trusted;
     const double *first, *trial;
 } gb_sizes;
 
@@ -67,7 +67,8 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
     double *restrict out = sim->control.error_weight;
     int poor = 0;
     for (int i = from; i < to; i++) {
-        const double known = gb_max(gb_max(peak[i], scale[i]), gb_max(least, floor[i] * per_time));
+        const double begun = peak[i] == 0.0 ? sizes->begun : peak[i];
+        const double known = gb_max(gb_max(begun, scale[i]), gb_max(least, floor[i] * per_time));
         const double own = gb_max(known, fabs(h * first[i]));
         const double size = peak[i] <= least && scale[i] < trusted ? gb_max(own, fabs(trial[i])) : own;
         const double own_part = rtol * size, weight = gb_max(own_part, UNSEEN * own_part + h * noise[i]);
@@ -140,11 +141,16 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
         head->control.natural_coordinate = largest_in(sim->control.natural_scale, sim->zero, 0, speeds);
         head->control.natural = largest_in(sim->control.natural_scale, sim->zero, speeds, n);
     }
+    const double least_speed =
+        1e-6 * gb_max(largest_in(sim->control.largest, sizes.trial, speeds, n), head->control.natural);
     sizes.trusted = HUGE_VAL;
+    /* a load like t^4 is as wrong in a step from rest, relative to what it moves, however short that is */
+    sizes.begun = h * least_speed;
     sizes.least =
         1e-10 * gb_max(largest_in(sim->control.largest, sizes.trial, 0, speeds), head->control.natural_coordinate);
     head->control.unscaled = weigh(sim, &sizes, 0, speeds);
-    sizes.least = 1e-6 * gb_max(largest_in(sim->control.largest, sizes.trial, speeds, n), head->control.natural);
+    sizes.begun = 0.0;
+    sizes.least = least_speed;
     sizes.trusted = DBL_MIN;
     head->control.unscaled |= weigh(sim, &sizes, speeds, n);
     head->control.h_weights = h;

@@ -16,6 +16,7 @@ enum {
     GB_NODES = 2,   /* of the quadratures of an implicit method */
     GB_SPARE = 12,  /* slots of k for the states at the nodes; the next one holds h df/dt */
     GB_SLOPE = 14,
+    GB_INSTANTS = 2,
     GB_ROWS = 8,          /* rows of a dense polynomial */
     GB_EIGHTHS = 8,       /* interior samples of an event function */
     GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
@@ -48,6 +49,8 @@ typedef struct gb_method {
     double dense[GB_ROWS][GB_STAGES];       /* those of the quadratures in full */
     double gamma;                           /* 0: explicit */
     double slope[GB_STAGES];                /* weights of h df/dt */
+    double instants[GB_INSTANTS];           /* where time terms are known beside the stages, */
+    double time_slope[GB_LANES];            /* and weights of h du/dt over all of these */
     double stage[GB_STAGES][2][GB_STAGES];  /* of the stages before: in the state, in the right side */
     double points[1 + GB_NODES][GB_STAGES]; /* of the stages: the new state, the states at the nodes */
     double inside[GB_NODES + 2][GB_STAGES]; /* dense rows in full */

@@ -244,6 +244,9 @@ typedef struct gb_model {
     /* As time_terms for one lane, with every excitation by time alone at its mean (NULL: as they are). */
     void (*mean_time_terms)(const double *par, const double *mode, int lanes, const double *t, const double *u,
                             double *time_terms);
+    /* The same with sizes of which rounding is a part, of those terms that are sums (NULL: none are). */
+    void (*time_term_sizes)(const double *par, const double *mode, int lanes, const double *t, const double *u,
+                            double *time_terms);
     /* Wrapped angles. Quadratures 2 c and 2 c + 1 are count and carry of wrapped angle c. */
     int n_wrapped;
     const gb_wrapped *wrapped;

@@ -15,6 +15,9 @@ static const double MORE = 1.0 + 1e-6;
 /* By how much the rates of implicit methods in time, which are differences over a small part of a step, are noisier. */
 static const double OF_DIFFERENCES = 1e2;
 
+/* Sum of the weights by which time terms in a step make its tangent (Rosenbrock.slope_weights). */
+static const double OF_TANGENTS = 128.0;
+
 /* What noise is multiplied by because trials were refused for it. */
 static double gain_of_doublings(const gb_sim *sim) {
     return (double)(1u << sim->head->control.doublings);
@@ -119,8 +122,8 @@ static int is_raised(int i, unsigned n) {
     return (0x6996 >> (bits & 15u) & 1) == 0;
 }
 
-/* Rates at y0, time moved by this: by its last bits what its rounding makes of them. Inputs stay. */
-static void rates_after(gb_sim *sim, const gb_lanes *at, double moved, double *rate) {
+/* Lanes of their own with time moved by this. Inputs stay. */
+static gb_lanes *lanes_after(gb_sim *sim, const gb_lanes *at, double moved) {
     gb_lanes *own = &sim->sliding.lanes;
     for (int l = 0; l < GB_LANES; l++) {
         own->t[l] = at->t[0] + moved;
@@ -128,6 +131,12 @@ static void rates_after(gb_sim *sim, const gb_lanes *at, double moved, double *r
             own->u[i * GB_LANES + l] = at->u[i * GB_LANES];
         }
     }
+    return own;
+}
+
+/* Rates at y0 at that time: moved by its last bits what its rounding makes of them. */
+static void rates_after(gb_sim *sim, const gb_lanes *at, double moved, double *rate) {
+    gb_lanes *own = lanes_after(sim, at, moved);
     sim->model->time_terms(sim->par, sim->mode, 1, own->t, own->u, own->time_terms);
     gb_rates(sim, 0, own, 0, sim->y0, rate);
     sim->head->counts.rhs_calls++;
@@ -173,6 +182,26 @@ static void add_noise_of_slope(gb_sim *sim, double h, const gb_lanes *at, int sc
     add_noise(sim, rate, gain, second, gain_of_slope(sim, h, apart));
 }
 
+/* What rounding of the time terms themselves, where they are sums, makes of the rates. */
+static void change_by_terms(gb_sim *sim, const gb_lanes *at, double *rate) {
+    const gb_model *model = sim->model;
+    gb_lanes *own = lanes_after(sim, at, 0.0);
+    for (int i = 0; i < model->n_time_terms; i++) {
+        own->time_terms[(size_t)i * GB_LANES] = 0.0;
+    }
+    model->time_term_sizes(sim->par, sim->mode, 1, own->t, own->u, own->time_terms);
+    for (int i = 0; i < model->n_time_terms; i++) {
+        const double bits = 2.0 * DBL_EPSILON * own->time_terms[(size_t)i * GB_LANES];
+        const int raised = is_raised(i, sim->head->control.noise_pattern);
+        own->time_terms[(size_t)i * GB_LANES] = at->time_terms[(size_t)i * GB_LANES] + (raised ? bits : -bits);
+    }
+    gb_rates(sim, 0, own, 0, sim->y0, rate);
+    sim->head->counts.rhs_calls++;
+    for (int i = 0; i < model->n; i++) {
+        rate[i] -= sim->k1[i];
+    }
+}
+
 void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, double valid) {
     const gb_model *model = sim->model;
     const double first = sim->head->counts.steps == 0 ? h : 0.0, last_bits = 2.0 * DBL_EPSILON * fabs(at->t[0]);
@@ -181,12 +210,19 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     const unsigned pattern = ++sim->head->control.noise_pattern;
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
     const int implicit = sim->method->gamma > 0.0;
+    const int summed = model->time_term_sizes != NULL && sim->head->events.n_sliding == 0;
     const int scaled = implicit && !sim->head->control.unscaled && sim->head->counts.steps > 0;
     const double gain = gain_of_doublings(sim), apart = gb_rosenbrock_time_step(at->t[0], h);
     if (timed && implicit) {
         rates_after(sim, at, apart, second);
     } else if (timed) {
         change_of_rates(sim, at, last_bits, rate);
+        for (int i = 0; i < model->n; i++) {
+            left[i] = gb_max(left[i], gain * fabs(rate[i]));
+        }
+    }
+    if (summed && !implicit) {
+        change_by_terms(sim, at, rate);
         for (int i = 0; i < model->n; i++) {
             left[i] = gb_max(left[i], gain * fabs(rate[i]));
         }
@@ -211,5 +247,9 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     add_noise(sim, rate, gain, timed && implicit && !scaled ? second : NULL, gain_of_slope(sim, h, apart));
     if (timed && implicit) {
         add_noise_of_slope(sim, h, at, scaled, rate, second);
+    }
+    if (summed && implicit) {
+        change_by_terms(sim, at, rate);
+        add_noise(sim, rate, OF_TANGENTS * gain, NULL, 0.0);
     }
 }

@@ -65,27 +65,42 @@ int gb_rosenbrock_lanes(const gb_sim *sim, double from, double h, double *t) {
     if (sim->model->n_time_terms == 0) {
         return 0;
     }
-    const double step = gb_rosenbrock_time_step(from, h);
-    t[0] = from + step;
-    t[1] = from + 2.0 * step;
-    return 2;
+    for (int i = 0; i < GB_INSTANTS; i++) {
+        t[i] = from + sim->method->instants[i] * h;
+    }
+    t[GB_INSTANTS] = from + SHARE * h;
+    t[GB_INSTANTS + 1] = from + 2.0 * SHARE * h;
+    return GB_INSTANTS + 2;
+}
+
+/* Time terms a SHARE and two SHAREs of the step behind the front along their tangent, from all that is known of them in
+ * the step: a difference over so short a time would be that of their rounding. */
+static void follow_tangent(gb_sim *sim, int lane) {
+    const double *weight = sim->method->time_slope;
+    for (int i = 0; i < sim->model->n_time_terms; i++) {
+        double *term = sim->lanes.time_terms + (size_t)i * GB_LANES, slope = 0.0;
+        for (int l = 1; l < GB_LANES; l++) {
+            slope += weight[l] * (term[l] - term[0]);
+        }
+        term[lane] = term[0] + SHARE * slope;
+        term[lane + 1] = term[0] + 2.0 * SHARE * slope;
+    }
 }
 
 /* h df/dt at the front, from a difference of second order. */
-static void slope_in_time(gb_sim *sim, double h) {
+static void slope_in_time(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const int lane = sim->method->all_stages;
+    const int lane = sim->method->all_stages + GB_INSTANTS;
     double *first = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, *second = sim->z2;
     if (model->n_time_terms == 0) {
         return;
     }
-    const double one = sim->lanes.t[lane] - sim->lanes.t[0], two = sim->lanes.t[lane + 1] - sim->lanes.t[0];
-    const double a = h * two / (one * (two - one)), b = h * one / (two * (two - one));
+    follow_tangent(sim, lane);
     gb_rates(sim, 0, &sim->lanes, lane, sim->y0, first);
     gb_rates(sim, 0, &sim->lanes, lane + 1, sim->y0, second);
     sim->head->counts.rhs_calls += 2;
     for (int i = 0; i < model->n_padded; i++) {
-        first[i] = a * (first[i] - sim->k1[i]) - b * (second[i] - sim->k1[i]);
+        first[i] = (2.0 * (first[i] - sim->k1[i]) - 0.5 * (second[i] - sim->k1[i])) / SHARE;
     }
 }
 
@@ -202,9 +217,9 @@ int gb_rosenbrock_stages(gb_sim *sim, double h) {
     if (code != GB_DONE) {
         return code;
     }
-    slope_in_time(sim, h);
+    slope_in_time(sim);
     if (!sim->head->options.locate) {
-        gb_stage_modes_begin(sim, method->all_stages + (model->n_time_terms > 0 ? 2 : 0));
+        gb_stage_modes_begin(sim, method->all_stages + (model->n_time_terms > 0 ? GB_INSTANTS + 2 : 0));
     }
     if (model->n_time_terms > 0) {
         add(sim, sim->k1, method->slope[0], sim->k + (size_t)GB_SLOPE * (size_t)total, sim->k);
