@@ -154,10 +154,25 @@ def smooth_signal(d: Draw, size: float, t_end: float) -> Any:
         lambda: size * call("sin", w * TIME),
         lambda: d.either_sign(digits(0.5 * size)) + size * call("cos", w * TIME),
         lambda: size * call("sin", w * TIME) * call("cos", digits(0.37 * w) * TIME),
-        lambda: d.either_sign(size) * (1.0 - call("cos", w * TIME)),
+        lambda: soft_start(d.either_sign(size), w),
         lambda: (d.either_sign(size) / t_end) * TIME,
         lambda: size * call("exp", digits(-3.0 / t_end) * TIME),
     ))()  # fmt: skip
+
+
+def soft_start(size: float, w: float) -> Any:
+    """What rises softly from zero; of which kind is told by a digit of its rate."""
+    rate, turn = w * TIME, call("tanh", w * TIME)
+    kinds = (
+        size * (1.0 - call("cos", rate)),
+        size * (1.0 - call("cos", rate)),
+        size * (call("cos", digits(0.37 * w) * TIME) - call("cos", rate)),
+        size * (1.0 - call("exp", -w * TIME)),
+        size * turn * turn,
+        size * turn * turn * turn,
+        size * turn * turn * turn * turn,
+    )
+    return kinds[round(100 * w) % len(kinds)]
 
 
 def corner_signal(d: Draw, size: float, t_end: float) -> Any:
