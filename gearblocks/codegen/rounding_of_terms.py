@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from gearblocks.codegen.hoisting import Hoister, HoistedTerm
+from gearblocks.codegen.hoisting import HoistedTerm, Hoister
 from gearblocks.laws.symbols import TIMED
 
 

@@ -17,12 +17,16 @@ static const double ENOUGH = 0.05, GROWING = 0.3;
 /* Part of what the turnover would grow by until the end, as it has grown lately, that is counted on. */
 static const double COUNTED_ON = 0.1;
 
+/* Part of the goal that may be used up at once; the rest as time goes on: what departs in one part of a turn alone
+ * looks right in the others. */
+static const double LATEST = 0.2;
+
 /* Growth of the turnover from one look to the next up to which it is one that may be compared with. */
 static const double GROWTH = 1.25;
 
 /* Tolerance below which rounding would decide, and the strictest, as log2 of the part of the tolerance that is left;
  * from where on it must have helped. */
-static const double LEAST = 1e-12, STRICTEST = 8.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 7.0;
+static const double LEAST = 1e-12, STRICTEST = 20.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 7.0;
 
 /* Tolerances that one step may add; the power of the step size by which a shorter try of it must add less, else what is
  * out of balance is no error of steps, and that many steps, then twice as many, are not looked at. */
@@ -125,7 +129,9 @@ static int decide(gb_sim *sim, double turnover) {
     drift->turnover = turnover;
     drift->t_look = t;
     if (more <= room || now < (grows ? GROWING : ENOUGH) * goal) {
-        drift->strictness = gb_max(0.0, drift->strictness - (4.0 * more < room ? LESS : 0.0));
+        const double gone = t - sim->head->front.t_start, due = goal * (LATEST + (1.0 - LATEST) * gone / (gone + left));
+        const int less = 4.0 * more < room && 2.0 * now < due;
+        drift->strictness = gb_max(0.0, drift->strictness - (less ? LESS : 0.0));
         return 4.0 * more > room;
     }
     if (drift->strictness <= 0.0) {

@@ -45,8 +45,8 @@ static double largest_in(const double *restrict peak, const double *restrict tri
 }
 
 /* What the error weights of a range of states are made of. least: a part of the largest of their kind; per_time: makes
- * a scale of least_scale; begun: of what has not moved before; trusted: natural scales from which on the trial does not count (a step from rest may end far
- * beyond an event); first, trial: by state, scales in their own right. */
+ * a scale of least_scale; begun: of what has not moved before; trusted: natural scales from which on the trial does not
+ * count (a step from rest may end far beyond an event); first, trial: by state, scales in their own right. */
 typedef struct gb_sizes {
     double rtol, h, least, per_time, begun, trusted;
     const double *first, *trial;

@@ -16,7 +16,6 @@ enum {
     GB_NODES = 2,   /* of the quadratures of an implicit method */
     GB_SPARE = 12,  /* slots of k for the states at the nodes; the next one holds h df/dt */
     GB_SLOPE = 14,
-    GB_INSTANTS = 2,
     GB_ROWS = 8,          /* rows of a dense polynomial */
     GB_EIGHTHS = 8,       /* interior samples of an event function */
     GB_PANEL_POINTS = 13, /* of polynomials of event functions' arguments: 9 that fit, 4 that check */
@@ -42,20 +41,19 @@ typedef struct gb_method {
     double defect[2];   /* theta where the defect of the dense polynomial is looked at, its error over h times that, 0:
                            not looked at */
     double c[GB_STAGES];
-    int full[GB_STAGES];                    /* quadratures are needed at this stage */
-    gb_weights a[GB_STAGES];                /* row `stages` is b */
-    gb_weights e[2];                        /* error estimates */
-    gb_weights d[GB_ROWS];                  /* dense rows; the first three are formed without them */
-    double dense[GB_ROWS][GB_STAGES];       /* those of the quadratures in full */
-    double gamma;                           /* 0: explicit */
-    double slope[GB_STAGES];                /* weights of h df/dt */
-    double instants[GB_INSTANTS];           /* where time terms are known beside the stages, */
-    double time_slope[GB_LANES];            /* and weights of h du/dt over all of these */
-    double stage[GB_STAGES][2][GB_STAGES];  /* of the stages before: in the state, in the right side */
-    double points[1 + GB_NODES][GB_STAGES]; /* of the stages: the new state, the states at the nodes */
-    double inside[GB_NODES + 2][GB_STAGES]; /* dense rows in full */
-    double angles[GB_NODES + 2][GB_STAGES]; /* dense rows of angles over the stages of their speeds */
-    gb_weights quadratures[GB_ROWS];        /* dense rows of the quadratures */
+    int full[GB_STAGES];                      /* quadratures are needed at this stage */
+    gb_weights a[GB_STAGES];                  /* row `stages` is b */
+    gb_weights e[2];                          /* error estimates */
+    gb_weights d[GB_ROWS];                    /* dense rows; the first three are formed without them */
+    double dense[GB_ROWS][GB_STAGES];         /* those of the quadratures in full */
+    double gamma;                             /* 0: explicit */
+    double slope[GB_STAGES];                  /* weights of h df/dt */
+    double instants[2], time_slope[GB_LANES]; /* beside the stages, and weights of h du/dt over all of these */
+    double stage[GB_STAGES][2][GB_STAGES];    /* of the stages before: in the state, in the right side */
+    double points[1 + GB_NODES][GB_STAGES];   /* of the stages: the new state, the states at the nodes */
+    double inside[GB_NODES + 2][GB_STAGES];   /* dense rows in full */
+    double angles[GB_NODES + 2][GB_STAGES];   /* dense rows of angles over the stages of their speeds */
+    gb_weights quadratures[GB_ROWS];          /* dense rows of the quadratures */
 } gb_method;
 
 typedef struct gb_source {
@@ -288,9 +286,8 @@ struct gb_implicit {
 /* Switched constraints, by constraint; row_size, impacts, impact_speed in the block, all else scratch of an event. */
 struct gb_constraints {
     double *row_size, *impacts, *impact_speed; /* sums of |G|; strikes so far, slips at powers of two of them (two) */
-    double *row;                               /* rows of G over the speeds */
-    double *slip, *slip_rounding, *slip_before, *free_acceleration;
-    double *bounds;                  /* five numbers each, see gb_model.h */
+    double *row, *slip, *slip_rounding, *slip_before, *free_acceleration; /* row: rows of G over the speeds */
+    double *bounds;                                                       /* five numbers each, see gb_model.h */
     double *delassus, *room;         /* W of all of them (see gb_delassus.h), and room for as much */
     double *right, *lo, *hi, *force; /* the complementarity problem of those that are in it */
     int *in;

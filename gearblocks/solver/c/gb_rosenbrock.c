@@ -11,6 +11,8 @@
 /* Part of a step in which the rates are differenced in time: rounding and truncation are of equal weight there. */
 static const double SHARE = 1e-4;
 
+enum { INSTANTS = 2 }; /* of a method, beside its stages */
+
 void gb_kinematic_links(gb_sim *sim) {
     const gb_model *model = sim->model;
     const gb_pattern *p = model->pattern;
@@ -65,12 +67,12 @@ int gb_rosenbrock_lanes(const gb_sim *sim, double from, double h, double *t) {
     if (sim->model->n_time_terms == 0) {
         return 0;
     }
-    for (int i = 0; i < GB_INSTANTS; i++) {
+    for (int i = 0; i < INSTANTS; i++) {
         t[i] = from + sim->method->instants[i] * h;
     }
-    t[GB_INSTANTS] = from + SHARE * h;
-    t[GB_INSTANTS + 1] = from + 2.0 * SHARE * h;
-    return GB_INSTANTS + 2;
+    t[INSTANTS] = from + SHARE * h;
+    t[INSTANTS + 1] = from + 2.0 * SHARE * h;
+    return INSTANTS + 2;
 }
 
 /* Time terms a SHARE and two SHAREs of the step behind the front along their tangent, from all that is known of them in
@@ -90,7 +92,7 @@ static void follow_tangent(gb_sim *sim, int lane) {
 /* h df/dt at the front, from a difference of second order. */
 static void slope_in_time(gb_sim *sim) {
     const gb_model *model = sim->model;
-    const int lane = sim->method->all_stages + GB_INSTANTS;
+    const int lane = sim->method->all_stages + INSTANTS;
     double *first = sim->k + (size_t)GB_SLOPE * (size_t)model->n_total, *second = sim->z2;
     if (model->n_time_terms == 0) {
         return;
@@ -219,7 +221,7 @@ int gb_rosenbrock_stages(gb_sim *sim, double h) {
     }
     slope_in_time(sim);
     if (!sim->head->options.locate) {
-        gb_stage_modes_begin(sim, method->all_stages + (model->n_time_terms > 0 ? GB_INSTANTS + 2 : 0));
+        gb_stage_modes_begin(sim, method->all_stages + (model->n_time_terms > 0 ? INSTANTS + 2 : 0));
     }
     if (model->n_time_terms > 0) {
         add(sim, sim->k1, method->slope[0], sim->k + (size_t)GB_SLOPE * (size_t)total, sim->k);

@@ -3,7 +3,7 @@
  *     (I - g J) K = gamma r,   g = gamma h,   is   S K_x = gamma (E r_x + g dG/ds r_s),   K_s = gamma r_s + g B K_x
  * with the step matrix S = E - g dG/dx - g^2 dG/ds B (see gb_model.h; the massless rows of E and r are zero). With
  * active constraints G v = 0, S K_x = ... + G' lambda and G K_v as the motion asks: lambda through G S^-1 G'.
- * Assumed: f(t, y0) in k1; fixed modes. df/dt from a difference of second order. Quadratures take no part, they follow
+ * Assumed: f(t, y0) in k1; fixed modes. df/dt along the tangent of the time terms, which all instants of the step tell. Quadratures take no part, they follow
  * by the formula of two nodes (points of the step) afterwards.
  * Source: Hairer and Wanner 1996, section IV.7; the tables carry their own (rosenbrock.py).
  * Knows nothing of step sizes, error weights and events. */
@@ -21,10 +21,10 @@ void gb_kinematic_links(gb_sim *sim);
  * so that old values are safe. */
 void gb_least_scales(gb_sim *sim);
 
-/* How far apart the instants of the difference in time are: rounding of the rates is 2 h over it in their slope. */
+/* How far along the tangent in time rates are taken for their slope: rounding of the rates is 2 h over it there. */
 double gb_rosenbrock_time_step(double from, double h);
 
-/* The instants of the difference in time, in the lanes behind those of the stages. */
+/* More instants, in the lanes behind those of the stages: for the tangent in time, and along it. */
 int gb_rosenbrock_lanes(const gb_sim *sim, double from, double h, double *t);
 
 /* All stages of the step from y0, and the n new states in z. */

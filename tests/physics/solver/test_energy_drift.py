@@ -180,7 +180,7 @@ def test_a_torque_that_touches_zero_over_the_angle_drives_as_much_as_it_says(J, 
     halves, rest = divmod(pace * phi, np.pi)
     work = torque / pace * (2 * halves + 1 - np.cos(rest)) + 0.1 * phi
     assert run.energy.residual <= 5.0 * rtol
-    assert 0.5 * J * run["body.w"][-1] ** 2 == pytest.approx(work, rel=5.0 * rtol)
+    assert 0.5 * J * run["body.w"][-1] ** 2 == pytest.approx(work, rel=10.0 * rtol)  # the turnover is twice the work
 
 
 def _rattle():
@@ -216,3 +216,18 @@ def test_what_exchanges_as_much_for_ever_is_not_stepped_more_strictly_for_a_late
         soon, late = (run.stats.steps + run.stats.rejected for run in runs)
         assert late < 1.05 * 10 * soon
         assert runs[1].energy.residual < 3 * rtol
+
+
+@pytest.mark.parametrize("torque", [0.0, 3.0, 30 * gb.sin(3 * gb.time)], ids=["free", "driven", "back and forth"])
+@pytest.mark.few(2)
+def test_a_pair_of_ellipses_that_turns_for_long_keeps_its_energy(torque):
+    """It departs in one part of each turn alone: what looks right in the others may not be trusted at once."""
+    rig = gb.Drivetrain("ellipses")
+    pair = rig.add("pair", gb.NonCircularGear(law=gb.RatioLaw.ellipse(e=0.521, order=2), external=True))
+    rig.chain(rig.add("source", gb.Torque(tau=torque)), rig.add("a", gb.Inertia(J=0.0877, w0=20.0)), pair)
+    rig.connect(pair.b, rig.add("b", gb.Inertia(J=1.92)).a)
+    model = gb.build(rig)
+    for method, rtol in (("rodas", 1e-4), ("rodas", 1e-6), ("dp8", 1e-8), ("dp5", 1e-4)):
+        run = gb.simulate(model, t=[0.0, 20.0], method=method, rtol=rtol)
+        assert run.energy.residual < 10 * rtol, (method, rtol)
+        assert run.stats.steps < 4e5
