@@ -4,6 +4,7 @@
 
 enum { KNOTS = 6 };
 static const double FAR = 1e9;     /* shares so far beyond their ends are looked at */
+static const double SAME = 1e-12;  /* of the terms of a difference: what is left of it is nothing */
 static const double POINT = 1e-12; /* a range that is empty by so little is a point */
 
 /* Shares from least to most, and the one that is taken of them (NAN: there are none). */
@@ -101,6 +102,15 @@ static double share_of_loss(const gb_held_force in[2]) {
     return best == best ? best : 2.0;
 }
 
+/* The law has no jump there any more: what is asked for is the same on both sides. */
+static int asks_alike(const gb_held_force in[2]) {
+    return fabs(in[1].force - in[0].force) <= SAME * (fabs(in[0].force) + fabs(in[1].force)) &&
+           fabs(in[1].tie - in[0].tie) <= SAME * (fabs(in[0].tie) + fabs(in[1].tie));
+}
+
 double gb_rest_share(const gb_sim *sim, int c, const gb_held_force in[2]) {
+    if (asks_alike(in)) {
+        return 2.0;
+    }
     return sim->model->constraints[c].kind == GB_LOSS ? share_of_loss(in) : share_within(in);
 }

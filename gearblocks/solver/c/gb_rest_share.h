@@ -19,7 +19,8 @@ gb_held_force gb_held_force_in(gb_sim *sim, const double *mode, const double *ti
 void gb_held_range(const gb_sim *sim, int c, const gb_held_force *in, double range[2]);
 
 /* The share of the second mode by which the mean of the forces of constraint c is one that holds: a half, or the
- * nearest to that; beyond its ends where none is. */
+ * nearest to that; beyond its ends where none is, or where nothing is
+ * asked that differs between the modes. */
 double gb_rest_share(const gb_sim *sim, int c, const gb_held_force in[2]);
 
 #endif

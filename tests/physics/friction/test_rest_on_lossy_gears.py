@@ -63,3 +63,21 @@ def test_a_gear_holds_what_its_losses_hold():
     assert next(e.t for e in run.events if e.component == "between" and e.t > 31) == pytest.approx(leaves, abs=1e-9)
     assert run["body.w"][:2].tolist() == [0.0, 0.0]
     assert run["body.w"][2] == pytest.approx(0.05 * gone**2 * 0.35 / (1 + 0.35), rel=1e-6)  # 0.7/2 on 1 + 2 * 0.7/4
+
+
+def test_a_condition_that_the_law_reads_no_more_holds_nothing():
+    """Its set point has stepped on: what gear and brake hold of 18 N m together tells nothing of a jump that is gone."""
+    target = gb.piecewise((-1.0, gb.time < 12.0), (0.5, True))
+    rig = gb.Drivetrain("stepped on")
+    drive = gb.Torque(tau=gb.piecewise((18.0, gb.sense("body.phi") < target), (-18.0, True)))
+    body = rig.add("body", gb.Inertia(J=1.0))
+    gear = rig.add("gear", gb.LossyGear(ratio=3.0, efficiency=(0.785, 0.785)))
+    rig.chain(rig.add("load", gb.Inertia(J=0.3)), gear, body, rig.add("brake", gb.Brake(capacity=2.0)))
+    rig.chain(rig.add("drive", drive), body)
+    run = gb.simulate(rig, t=[11.9, 12.2, 30.0])
+    assert run["body.phi"][[0, 2]] == pytest.approx([-1.0, 0.5], abs=1e-6) and run["body.w"][[0, 2]].tolist() == [
+        0.0,
+        0.0,
+    ]
+    rate = (18.0 - 2.0) / (1.0 + 0.3 * 9 / 0.785)  # the body drives, at b
+    assert run["body.w"][1] > 0.2 * 0.8 * rate
