@@ -93,7 +93,7 @@ int gb_limit_moves(gb_sim *sim, int j, const double *y, int speed) {
     const struct gb_event_state *events = &sim->head->events;
     const int i = events->sliding[j];
     double *f = sim->sliding.rates, bend[3];
-    if (events->resting[j] == -1) {
+    if (events->resting[j] == -1 && !(speed && events->reach[j] > 0.0)) {
         return 0;
     }
     model->event_functions(sim->par, sim->mode, sim->instant.time_terms, y, sim->sliding.functions);

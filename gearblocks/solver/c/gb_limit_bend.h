@@ -14,7 +14,8 @@ void gb_limit_bend(gb_sim *sim, int i, const double *f, const gb_lanes *at, int 
 
 /* 0 as long as the limit of the switch that slides as number j stands where it rests or is held, at the time terms at
  * hand and the state y; else -1 or 1, to which side of it the state goes: farther than its reach, or, where speed says,
- * one that is held faster than is admitted. */
+ * one that is
+ * held faster than is admitted; of one that slides at events alone. */
 int gb_limit_moves(gb_sim *sim, int j, const double *y, int speed);
 
 #endif

@@ -132,7 +132,6 @@ int gb_hold_last(gb_sim *sim, double since) {
     if (!(jump < 0.0) || fabs(rate) > -jump * longest || rubs_by_swings(sim, below, above, rate / jump)) {
         return 0;
     }
-    sim->head->events.rested_at[n - 1] = sim->events.s[i];
     end_by_impulse(sim, rate / jump, below, above, room);
     return 1;
 }

@@ -89,6 +89,7 @@ static int begin(gb_sim *sim, int i, int resting, double since) {
         memcpy(sim->y, sim->z, size);
         return 0;
     }
+    head->events.rested_at[head->events.n_sliding - 1] = s;
     gb_log(sim, i, 0, before, below + 0.5);
     sim->events.armed[i] = sim->events.pending[i] = sim->events.flips[i] = 0.0;
     gb_mode_limits(sim);
@@ -164,22 +165,20 @@ void gb_stick_by_mean(gb_sim *sim) {
     memcpy(sim->y, sim->z, sizeof(double) * (size_t)sim->model->n_total);
 }
 
-static double event_function_now(gb_sim *sim, int i) {
-    sim->model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->sliding.functions);
-    return sim->sliding.functions[i];
-}
-
-/* One whose limit has gone away from it, or else one that slides or is held, which the mean holds no more, leaves; 0:
- * there is none. */
+/* One whose limit has gone away from it, as what has struck the train or a set point that jumps makes it, or else one
+ * that slides or is held, which the mean holds no more, leaves; 0: there is none. */
 static int leave_limits(gb_sim *sim, int fails, int turns) {
+    if (gb_event_functions_now(sim) != GB_DONE || gb_time_terms_at(sim, sim->head->front.t1) != GB_DONE) {
+        return 0;
+    }
     for (int j = 0; j < sim->head->events.n_sliding; j++) {
         const int i = sim->head->events.sliding[j], resting = sim->head->events.resting[j];
-        if (resting == GB_HELD) {
+        if (resting < 0) {
             gb_admit(sim, j);
         }
         const int way = gb_limit_moves(sim, j, sim->y, 1);
         if (way != 0 || (resting < 0 && fails) || (resting == GB_HELD && turns)) {
-            const double s = event_function_now(sim, i);
+            const double s = sim->events.s[i];
             gb_leave_sliding(sim, i, way != 0 ? sim->mode[i] + (way > 0) : sim->model->mode_at(sim->par, i, s));
             return 1;
         }

@@ -116,3 +116,18 @@ def test_a_set_point_of_a_caller_moves_what_rests():
     ramp = gb.Table([20.0, 25.0, 35.0, 60.0], [1.0, 1.0, 0.0, 0.0])
     gone = gb.simulate(model, t_start=20.0, t_end=50.0, initial=rested, inputs={"target": ramp})
     assert gone["body.phi"][-1] == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_what_strikes_a_stop_while_its_speed_is_held_is_let_off(restitution, method):
+    """At 0.5 rad/s from 0.5 s on, against the stop at 2.25 s; below its speed the torque is 1 N m all along."""
+    rig = gb.Drivetrain("governed against a stop")
+    drive = rig.add("drive", gb.Torque(tau=gb.piecewise((1.0, gb.sense("body.w") < 0.5), (-1.0, True))))
+    rig.chain(
+        drive, rig.add("body", gb.Inertia(J=1.0)), rig.add("stop", gb.HardStop(upper=1.0, restitution=restitution))
+    )
+    run = gb.simulate(rig, t=[2.0, 2.35, 9.0], method=method)
+    assert run["body.w"] == pytest.approx([0.5, -0.5 * restitution + 0.1 if restitution else 0.0, 0.0], abs=1e-9)
+    assert run["body.phi"][[0, 2]] == pytest.approx([0.875, 1.0], abs=1e-9)
+    assert run["drive.torque"][1:] == pytest.approx(1.0, abs=1e-12)
