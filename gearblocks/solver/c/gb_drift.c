@@ -35,7 +35,7 @@ enum { LEFT_OUT = 16 };
 
 /* Steps up to the first look, between two where something is wrong, and at most; how often strictness may be of no use.
  */
-enum { FIRST = 12, SOON = 16, SELDOM = 64, TRIES = 4 };
+enum { FIRST = 12, SOON = 16, SELDOM = 128, TRIES = 4 };
 
 /* Stored and lost less supplied, at the front; *stored: the first alone. */
 static int balance(gb_sim *sim, double *sum, double *stored) {

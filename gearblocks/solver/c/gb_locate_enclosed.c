@@ -66,12 +66,13 @@ static int verdict(gb_sim *sim, const search *s, gb_limit at) {
     return lowest >= enough ? FREE : OPEN;
 }
 
-/* The root of f in [a, b], which falls from fa >= 0 to fb < 0 with the given rates: secants, kept in the bracket that
- * each value gives with the rates (interval Newton). */
-static int falling_root(gb_sim *sim, gb_limit at, double a, double b, double fa, double fb, double tolerance,
+/* The root of f in [from, to], which falls from fa >= 0 to fb < 0 with the given rates: secants, kept in the bracket
+ * that each value gives with the rates (interval Newton). Behind the limit of another one the rates need not hold (a
+ * capacity below zero is none): brackets that part tell, and then signs alone count. */
+static int falling_root(gb_sim *sim, gb_limit at, double from, double to, double fa, double fb, double tolerance,
                         double *root) {
     const gb_interval rate = gb_margin_rate(sim, at);
-    double x0 = a, f0 = fa, x1 = b, f1 = fb;
+    double a = from, b = to, x0 = from, f0 = fa, x1 = to, f1 = fb;
     int code = GB_DONE;
     for (int count = 0; count < 100 && b - a > tolerance && code == GB_DONE; count++) {
         double x = x1 - f1 * ((x1 - x0) / (f1 - f0));
@@ -88,7 +89,8 @@ static int falling_root(gb_sim *sim, gb_limit at, double a, double b, double fa,
         b = gb_min(b, f1 < 0.0 ? gb_min(x, soon) : (rate.hi < 0.0 ? late : b));
     }
     *root = 0.5 * (a + b);
-    return code;
+    const int parted = code == GB_DONE && a - b > tolerance;
+    return parted ? gb_true_root(sim, at.i, at.side, from, to, fa, fb, tolerance, root) : code;
 }
 
 /* It leaves its mode at the root. */
