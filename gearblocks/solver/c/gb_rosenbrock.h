@@ -3,10 +3,10 @@
  *     (I - g J) K = gamma r,   g = gamma h,   is   S K_x = gamma (E r_x + g dG/ds r_s),   K_s = gamma r_s + g B K_x
  * with the step matrix S = E - g dG/dx - g^2 dG/ds B (see gb_model.h; the massless rows of E and r are zero). With
  * active constraints G v = 0, S K_x = ... + G' lambda and G K_v as the motion asks: lambda through G S^-1 G'.
- * Assumed: f(t, y0) in k1; fixed modes. df/dt along the tangent of the time terms, which all instants of the step tell. Quadratures take no part, they follow
- * by the formula of two nodes (points of the step) afterwards.
- * Source: Hairer and Wanner 1996, section IV.7; the tables carry their own (rosenbrock.py).
- * Knows nothing of step sizes, error weights and events. */
+ * Assumed: f(t, y0) in k1; fixed modes. df/dt along the tangent of the time terms, which all instants of the step tell.
+ * Quadratures take no part, they follow by the formula of two nodes (points of the step) afterwards. Source: Hairer and
+ * Wanner 1996, section IV.7; the tables carry their own (rosenbrock.py). Knows nothing of step sizes, error weights and
+ * events. */
 #ifndef GB_ROSENBROCK_H
 #define GB_ROSENBROCK_H
 
