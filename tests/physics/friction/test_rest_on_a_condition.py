@@ -139,16 +139,19 @@ def test_what_would_leave_the_limit_together_rests_there_with_its_momentum_gone(
     assert run.energy.residual < 10 * rtol
 
 
-@pytest.mark.parametrize(("target", "coulomb", "viscous", "ends"), [(1.0, 0.02, 0.5, 19.366), (1e4, 0.1, 0.0, 28.41)])
-def test_swings_that_rounding_keeps_up_are_at_rest(target, coulomb, viscous, ends):
-    """Friction that takes little of each, or a limit that is far from 0."""
+@pytest.mark.parametrize(
+    ("target", "coulomb", "viscous", "ends", "late"), [(1.0, 0.02, 0.5, 19.366, 0.01), (1e4, 0.1, 0.0, 28.3913, 0.06)]
+)
+def test_swings_that_rounding_keeps_up_are_at_rest(target, coulomb, viscous, ends, late):
+    """Friction that takes little of each, or a limit that is far from 0: its rounding keeps up some swings
+    after the end of the geometric series (28.3913 s in closed form)."""
     rig = gb.Drivetrain("positioner")
     drive = gb.Torque(tau=gb.piecewise((1.0, gb.sense("body.phi") < target), (-1.0, True)))
     body = rig.add("body", gb.Inertia(J=1.0, phi0=target - 1.0))
     rig.chain(rig.add("drive", drive), body, rig.add("bearing", gb.BearingFriction(coulomb=coulomb, viscous=viscous)))
     run = gb.simulate(rig, t=[60.0], rtol=1e-9)
     assert run["body.w"][-1] == 0.0 and run["body.phi"][-1] == pytest.approx(target, rel=1e-9)
-    assert run.events[-1].t == pytest.approx(ends, abs=1e-2)
+    assert -0.01 < run.events[-1].t - ends < late
     assert run.stats.events < 3000
 
 
