@@ -135,7 +135,7 @@ static void lay_events(gb_sim *sim, char *base, size_t *at) {
     struct gb_events *e = &sim->events;
     double **const by_surface[] = {&e->s0, &e->s, &e->located, &e->side, &e->moved, &e->slack, &e->until};
     for (size_t i = 0; i < sizeof by_surface / sizeof by_surface[0]; i++) {
-        *by_surface[i] = doubles(base, at, m->n_event_functions);
+        *by_surface[i] = doubles(base, at, m->n_switches); /* mode_limits fills those of time too */
     }
     e->slopes = doubles(base, at, (long)GB_ROWS * m->n_affine);
     e->mode_before = doubles(base, at, m->update_states ? m->n_switches : 0);
