@@ -6,17 +6,22 @@ static double tolerance(const gb_sim *sim, int j) {
     return weight > 0.0 ? 1.0 / weight : 0.0;
 }
 
-/* Adds what the tolerances of the states admit for the event functions [first, first + count), events.s at y;
- * small_alone: of states that are small beside what counts as a size for them. */
-static void add_tolerances(gb_sim *sim, int first, int count, int small_alone, const double *time_terms,
-                           const double *y, double *sum) {
+enum { ALL, SMALL, FADED };
+
+/* Adds what the tolerances of the states admit for the event functions [first, first + count), events.s at y; of all
+ * states, of those that are small beside what counts as a size for them, or that have faded below their tolerance. */
+static void add_tolerances(gb_sim *sim, int first, int count, int which, const double *time_terms, const double *y,
+                           double *sum) {
     const gb_model *model = sim->model;
     const double rtol = sim->head->options.rtol;
     double *moved = sim->events.moved, *changed = sim->z2;
     memcpy(changed, y, sizeof(double) * (size_t)model->n_total);
     for (int j = 0; j < model->n; j++) {
         const double size = tolerance(sim, j);
-        if (size > 0.0 && (!small_alone || 2.0 * sim->control.largest[j] * rtol < size)) {
+        const int counts = which == SMALL   ? 2.0 * sim->control.largest[j] * rtol < size
+                           : which == FADED ? fabs(y[j]) <= size
+                                            : 1;
+        if (size > 0.0 && counts) {
             changed[j] += size;
             model->event_functions(sim->par, sim->mode, time_terms, changed, moved);
             for (int i = 0; i < count; i++) {
@@ -29,19 +34,19 @@ static void add_tolerances(gb_sim *sim, int first, int count, int small_alone, c
 
 double gb_tolerance_of(gb_sim *sim, int i) {
     double sum = 0.0;
-    add_tolerances(sim, i, 1, 0, sim->instant.time_terms, sim->y, &sum);
+    add_tolerances(sim, i, 1, ALL, sim->instant.time_terms, sim->y, &sum);
     return sum;
 }
 
 double gb_tolerance_at(gb_sim *sim, int i, const double *time_terms, const double *y) {
     double sum = 0.0;
-    add_tolerances(sim, i, 1, 0, time_terms, y, &sum);
+    add_tolerances(sim, i, 1, FADED, time_terms, y, &sum);
     return sum;
 }
 
 void gb_tolerances_of_small(gb_sim *sim, double *sum) {
     memset(sum, 0, sizeof(double) * (size_t)sim->model->n_event_functions);
-    add_tolerances(sim, 0, sim->model->n_event_functions, 1, sim->instant.time_terms, sim->y, sum);
+    add_tolerances(sim, 0, sim->model->n_event_functions, SMALL, sim->instant.time_terms, sim->y, sum);
 }
 
 double gb_tolerance_of_slip(gb_sim *sim, int i) {

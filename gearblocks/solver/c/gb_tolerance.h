@@ -8,7 +8,7 @@
 /* Of event function i at the front. */
 double gb_tolerance_of(gb_sim *sim, int i);
 
-/* The same at a state y whose event functions are events.s. */
+/* The same at a state y whose event functions are events.s, as far as states matter that have faded below their own. */
 double gb_tolerance_at(gb_sim *sim, int i, const double *time_terms, const double *y);
 
 /* Of all event functions, by states alone that are small beside what counts as a size for them. */

@@ -167,7 +167,6 @@ def test_conditions_of_any_form_switch_where_their_zeros_are():
                 assert abs(run[f"m{i}.w"][-1] - expected[i]) < 1e-10, (name, method, rtol)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("method", METHODS)
 def test_windows_of_a_ten_thousandth_of_a_turn_are_seen_and_touches_are_not(method):
     narrow = gb.piecewise((1e-9, gb.cos(PHI) > 1 - 2e-7), (0, True))
