@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ParameterError
 from gearblocks.language.starts import is_rolling
-from gearblocks.simulation.arguments import start_state
 from gearblocks.simulation.rolling import rolled
+from gearblocks.simulation.start_states import start_state
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 

@@ -19,10 +19,10 @@ from gearblocks.simulation.arguments import (
     is_static,
     parameter_vector,
     set_inputs,
-    start_state,
 )  # fmt: skip
 from gearblocks.simulation.equilibrium import static_point
 from gearblocks.simulation.rolling import rolled
+from gearblocks.simulation.start_states import start_state
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model

@@ -18,12 +18,13 @@ from gearblocks.analysis.study_point import Interrupted, Task, moves_starts, opt
 from gearblocks.codegen.program import Program
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.language.starts import is_rolling, with_values
-from gearblocks.simulation.arguments import is_static, set_inputs, start_state
+from gearblocks.simulation.arguments import is_static, set_inputs
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.failures import reason
 from gearblocks.simulation.measured_runs import MeasuredRun, Measuring, Runs, StoppedError, merged
 from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.run import RESIDUAL, STILL
+from gearblocks.simulation.start_states import start_state
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.structures import Code
 

@@ -281,13 +281,12 @@ def is_static(initial: Any) -> bool:
 
 def _initial(model: Model, result: Array, initial: Mapping[str, float | str]) -> None:
     program = model.program
-    starts = program.start_numbers
     dependents = {f.name: f for f in program.dependent_starts if f.of in (ANGLE, SPEED)}
     initial = dict(initial)
     asked = {dependents[name]: initial.pop(name) for name in [*initial] if name in dependents}
     given: dict[int, tuple[str, float]] = {}
     for name, value in initial.items():
-        info = program.starts[resolve(name, starts, "initial value")]
+        info = program.starts[_number_of_start(program, name)]
         number = checked(info.name, start_number(program, info.name, value), "", None, None) * info.factor
         of = program.parameters[info.offset]
         if model.start_parameters.get(of.path, 1) > 1 and abs(number - result[info.offset]) > 1e-12 * abs(number):
@@ -310,6 +309,19 @@ def _initial(model: Model, result: Array, initial: Mapping[str, float | str]) ->
                 f"initial: '{dependent.name}' = {value!r} contradicts the {follows:.9g} that follows from {names} through "
                 f"its ties: give those"
             )
+
+
+def _number_of_start(program: Program, name: str) -> int:
+    """The number of a start value. Raises UnknownNameError."""
+    try:
+        return resolve(name, program.start_numbers, "initial value")
+    except UnknownNameError as unknown:
+        if name not in {state.name for state in program.states}:
+            raise
+        way = (
+            "start values are given as angles and speeds of bodies; a run begins on an orbit by initial=orbit.starts[0]"
+        )
+        raise UnknownNameError(f"{unknown}. '{name}' is a state that follows from these: {way}") from None
 
 
 def start_number(program: Program, name: str, value: Any) -> Any:
@@ -383,17 +395,3 @@ def _converted(source: Table | Callable[[float], float], factor: float) -> Table
     if isinstance(source, Table):
         return replace(source, y=factor * np.asarray(source.y))
     return lambda t: factor * source(t)
-
-
-def start_state(program: Program, initial: Any) -> Array | None:
-    """The state vector of an earlier run, the ledger at zero."""
-    if not isinstance(initial, Trajectory):
-        return None
-    final = initial.final_state
-    if final is None or final.key != program.key:
-        raise ParameterError("initial: the earlier run is of another train; continue a run with the same model")
-    y = np.array(final.y)
-    for entry in program.integrals:
-        if entry.part != "angle":
-            y[entry.offset] = 0.0
-    return y

@@ -31,13 +31,13 @@ from gearblocks.simulation.arguments import (
     is_static,
     parameter_vector,
     set_inputs,
-    start_state,
 )
 from gearblocks.simulation.equilibrium import static_state
 from gearblocks.simulation.failures import reason
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.records import FinalState
 from gearblocks.simulation.rolling import rolled
+from gearblocks.simulation.start_states import start_state
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.active_set import reduced
 from gearblocks.solver.kinematics import kinds

@@ -31,7 +31,6 @@ from gearblocks.simulation.arguments import (
     resolve,
     sample_times,
     set_inputs,
-    start_state,
 )
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.element_balance import Rerun, element_imbalances
@@ -45,6 +44,7 @@ from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.simulation.records import FinalState, NamedValues, Stats
 from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.samples import Outputs, Samples
+from gearblocks.simulation.start_states import start_state
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.simulation.watched_effects import NOTHING, Watched
 from gearblocks.simulation.watching import Watching

@@ -28,6 +28,8 @@ from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.running import build
 from gearblocks.simulation.arguments import number_of, resolve
+from gearblocks.simulation.start_states import standing_run
+from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -48,7 +50,7 @@ class Mark:
     """What lies on a branch: kind "fold", "period doubling", "branch point", "torus" or "grazing". value: of the parameter;
     bracket: two values that it lies between (of a fold: the last one with an orbit, and where the tangents beside it meet,
     beyond which there is none); words: what happens; number: of the orbit of the branch that it lies behind; states: at the
-    section, shape (n,); multipliers: there.
+    section, shape (n,); multipliers: there; start: a run of no length that stands there, which `initial=` takes.
 
     periods, direction: of the branch that leaves at a doubling or branch point, which `continue_orbit(start=mark)` follows.
     """
@@ -61,6 +63,7 @@ class Mark:
     states: Array
     multipliers: NDArray[np.complex128]
     periods: int
+    start: Trajectory
     direction: Array | None = None
 
     def __repr__(self) -> str:
@@ -72,9 +75,11 @@ class Mark:
 class OrbitBranch:
     """Orbits of `periods` periods of the section along a branch over the parameter `path` [unit]: values, shape (k,).
 
-    states: at the section, by `names`, shape (k, n); multipliers: without neutral directions, whose words are in `neutral`, the
-    largest first, shape (k, m); mean, rms (about the mean), low, high: of output `of` [of_unit] over an orbit, shape (k,);
-    corners: where no derivative exists, in words, or ""; marks: folds, doublings and more, in their order; ended: why it ends.
+    states: at the section, by `names`, shape (k, n); starts: runs of no length that stand there, each at its value of the
+    parameter: `gb.simulate(train, initial=branch.starts[0], t_end=...)` goes on from one; multipliers: without neutral
+    directions, whose words are in `neutral`, the largest first, shape (k, m); mean, rms (about the mean), low, high: of
+    output `of` [of_unit] over an orbit, shape (k,); corners: where no derivative exists, in words, or ""; marks: folds,
+    doublings and more, in their order; ended: why it ends.
     """
 
     path: str
@@ -83,6 +88,7 @@ class OrbitBranch:
     values: Array
     names: tuple[str, ...]
     states: Array
+    starts: tuple[Trajectory, ...]
     multipliers: NDArray[np.complex128]
     of: str
     of_unit: str
@@ -186,8 +192,9 @@ def continue_orbit(
     return OrbitBranch(
         info.path, info.unit, equation.periods, np.array([p.value for p in points]),
         tuple(q.name for q in model.program.states), np.array([p.y for p in points]),
-        np.array([p.multipliers for p in points]), quantity.name, quantity.unit, swings[:, 0], swings[:, 1], swings[:, 2],
-        swings[:, 3], tuple(p.run.corner for p in points), tuple(marks), equation.neutral.words, ended,
+        tuple(_start(p) for p in points), np.array([p.multipliers for p in points]), quantity.name, quantity.unit,
+        swings[:, 0], swings[:, 1], swings[:, 2], swings[:, 3], tuple(p.run.corner for p in points), tuple(marks),
+        equation.neutral.words, ended,
     )  # fmt: skip
 
 
@@ -273,7 +280,14 @@ def _mark(equation: OrbitEquation, found: Between, number: int) -> Mark:
         words += f"; {a.run.corner or b.run.corner}" if a.run.corner or b.run.corner else ""
     else:
         words = "a pair of multipliers crosses the unit circle"
-    return Mark(found.kind, 0.5 * sum(bracket), bracket, words, number, a.y, a.multipliers, periods, direction)
+    return Mark(
+        found.kind, 0.5 * sum(bracket), bracket, words, number, a.y, a.multipliers, periods, _start(a), direction
+    )
+
+
+def _start(point: Solved) -> Trajectory:
+    """A run of no length that stands at a point."""
+    return standing_run(point.seen.standing(point.y), point.seen.model.program.name, point.seen.values)
 
 
 def _fold(equation: OrbitEquation, a: Solved, b: Solved) -> tuple[tuple[float, float], str]:

@@ -27,11 +27,14 @@ from gearblocks.analysis.regimes.regime import Regime
 from gearblocks.analysis.regimes.strobe import GrowthError
 from gearblocks.errors import SimulationError, StorageError
 from gearblocks.files import make_folder, write_bytes, write_text
+from gearblocks.simulation.records import FinalState
 
 Array = NDArray[np.float64]
 
-FORMAT = "gearblocks diagram store 1"
-_KINDS = {kind.__name__: kind for kind in (Regime, PeriodicOrbit, LyapunovExponents, SimulationError, GrowthError)}
+FORMAT = "gearblocks diagram store 2"
+_KINDS = {
+    kind.__name__: kind for kind in (Regime, PeriodicOrbit, FinalState, LyapunovExponents, SimulationError, GrowthError)
+}
 _WORDS = ("time", "component", "cause", "remedy")  # of an error
 _BROKEN = (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile)
 

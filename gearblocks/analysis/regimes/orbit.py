@@ -21,6 +21,9 @@ from gearblocks.analysis.sections import Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.running import build
+from gearblocks.simulation.records import FinalState
+from gearblocks.simulation.start_states import standing_run
+from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 
 Array = NDArray[np.float64]
@@ -42,7 +45,8 @@ class PeriodicOrbit:
 
     points: states (names) at the section, shape (periods, n); closure: how far the last point misses the first one, in sizes
     of the states; multipliers: shape (n - p,), the largest first, without the p neutral directions, whose words are in
-    `neutral`; exponents: log(abs(multipliers)) per second; corner: where no derivative exists, in words, or "".
+    `neutral`; exponents: log(abs(multipliers)) per second; corner: where no derivative exists, in words, or ""; parameters: by
+    path; states: the points as runs begin with them, of which `starts` is made.
     """
 
     names: tuple[str, ...]
@@ -54,6 +58,14 @@ class PeriodicOrbit:
     neutral: tuple[str, ...]
     corner: str
     rtol: float
+    parameters: Mapping[str, float]
+    states: tuple[FinalState, ...]
+
+    @property
+    def starts(self) -> tuple[Trajectory, ...]:
+        """Runs of no length that stand at each of the points: `gb.simulate(train, initial=orbit.starts[0], t_end=...)` goes on
+        along the orbit, at its parameters and from the time of the point."""
+        return tuple(standing_run(state, "", self.parameters) for state in self.states)
 
     @property
     def stable(self) -> bool:
@@ -109,8 +121,9 @@ def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrb
     multipliers = neutral.multipliers(scaled(seen, run.maps[-1]))
     names = tuple(q.name for q in seen.model.program.states)
     points = np.vstack([y, run.states[:-1]])
+    states = tuple(seen.standing(point, k) for k, point in enumerate(points))
     return PeriodicOrbit(
-        names, points, periods, seen.period, closure, multipliers, neutral.words, run.corner, seen.rtol,
+        names, points, periods, seen.period, closure, multipliers, neutral.words, run.corner, seen.rtol, seen.values, states,
     )  # fmt: skip
 
 

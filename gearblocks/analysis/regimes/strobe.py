@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from gearblocks.analysis.sections import Section, check_frequency, section_period
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.language.starts import is_rolling
-from gearblocks.simulation.arguments import is_static, method_options, parameter_vector, set_inputs, start_state
+from gearblocks.simulation.arguments import is_static, method_options, parameter_vector, set_inputs
 from gearblocks.simulation.failures import component_of, reason
-from gearblocks.simulation.records import NamedValues
+from gearblocks.simulation.records import FinalState, NamedValues
 from gearblocks.simulation.rolling import rolled
+from gearblocks.simulation.start_states import start_state
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Code, Method, Options
@@ -233,6 +234,26 @@ class Strobe:
             self._set(sim)
             self._begin(sim, 0.0, full)
             yield sim
+
+    def standing(self, y: Array, after: int = 0) -> FinalState:
+        """What a run that begins in the states y, after so many periods, begins with. One that cannot begin there says why
+        when it is asked for."""
+        t, full = after * self.period, np.zeros(self.model.program.n_total)
+        full[: self.n] = y
+        modes = np.zeros(len(self.model.program.switches))
+        with self.model.library.reopen() as sim:
+            self._set(sim)
+            try:
+                self._begin(sim, t, full)
+                full, modes = sim.state(), sim.modes()
+            except SimulationError:
+                pass
+        return FinalState(t, full, modes, self.model.program.key)
+
+    @property
+    def values(self) -> NamedValues:
+        """The parameters by path."""
+        return NamedValues(self.model.program.parameter_numbers, self.parameters)
 
     def _set(self, sim: Simulation) -> None:
         sim.parameters[:] = self.parameters

@@ -33,7 +33,6 @@ from gearblocks.simulation.arguments import (
     method_words,
     parameter_vector,
     set_inputs,
-    start_state,
 )
 from gearblocks.simulation.carried_start import carried_start, carried_values
 from gearblocks.simulation.case import Case
@@ -45,6 +44,7 @@ from gearblocks.simulation.needs import Needs
 from gearblocks.simulation.records import Stats
 from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.run import run_case, stats_of
+from gearblocks.simulation.start_states import start_state
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import opened, state_matrix
