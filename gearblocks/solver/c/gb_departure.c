@@ -104,13 +104,14 @@ static double outward(const gb_sim *sim, int i, double s) {
     return side * (s - (side < 0.0 ? sim->events.lo[i] : sim->events.hi[i]));
 }
 
-/* What holds, and is not to be decided, lets go before the state that was followed: the motion is another one there. */
+/* What holds, and is not to be decided or stays for now, lets go before the state that was followed: the motion is
+ * another one there. */
 static int lets_go(const gb_sim *sim, double unit) {
     int found = 0;
     for (int c = 0; c < sim->model->n_constraints; c++) {
         const int i = sim->model->constraints[c].active;
-        found |= gb_is_active(sim, c) && sim->events.side[i] == 0.0 &&
-                 sim->events.s[i] - sim->events.hi[i] > unit * sim->events.located[i];
+        const int holds = sim->events.side[i] == 0.0 || fabs(sim->events.side[i]) == STAYS;
+        found |= gb_is_active(sim, c) && holds && sim->events.s[i] - sim->events.hi[i] > unit * sim->events.located[i];
     }
     return found;
 }

@@ -149,3 +149,37 @@ def test_a_body_behind_a_clutch_that_carries_nothing_has_the_rounding_of_what_it
     run = gb.simulate(_beside(lambda: load, lambda: car, second=True), t_end=0.003, method=method, rtol=rtol)
     assert _most(run, ("last", "second_ring", "sun", "driven")) < ROUNDING
     assert run.stats.steps < 100
+
+
+def _behind_two_gears(lock, drives):
+    """Two lossy gears in a row between three bodies of 1 kg m2, the first with a bearing torque; a body behind a lock."""
+    rig = gb.Drivetrain("behind")
+    last, between, first, locked = (rig.add(n, gb.Inertia(J=1.0)) for n in ("last", "between", "first", "locked"))
+    heavy = rig.add("heavy", gb.LossyGear(ratio=1.0, loss_table=((0.0, 0.7, 0.6, 0.3, 0.3),)))
+    light = rig.add("light", gb.LossyGear(ratio=1.0, loss_table=((0.0, 0.7, 0.5, 0.0, 0.0),)))
+    one_way, load = rig.add("lock", lock()), rig.add("load", gb.Torque(tau=4.0 * gb.time))
+    rig.connect(last.a, heavy.a, *((one_way.a,) if drives else (one_way.b,)))
+    rig.connect(locked.a, one_way.b if drives else one_way.a)
+    rig.connect(between.a, heavy.b, light.a)
+    rig.connect(first.a, light.b, load.flange)
+    return rig
+
+
+@pytest.mark.parametrize("method", [*METHODS, "dp8"])
+@pytest.mark.parametrize(
+    ("lock", "drives", "follows"),
+    [
+        (lambda: gb.Freewheel(), True, 2.0),
+        (lambda: gb.Freewheel(), False, 1.0),
+        (lambda: gb.OneWayClutch(capacity=5.0), True, 2.0),
+        (lambda: gb.OneWayClutch(capacity=5.0), False, 2.0),
+    ],
+)
+@pytest.mark.few(4)
+def test_a_look_ahead_ends_where_gears_let_go_that_hold_for_now(lock, drives, follows, method):
+    """The load, less the half that the second gear takes, is more than the bearing torque from 0.15 s on."""
+    run = gb.simulate(_behind_two_gears(lock, drives), t=[0.0, 0.15, 0.3], method=method, rtol=1e-8)
+    assert _most(run, ("first", "last", "locked"), 2) < 1e-12
+    assert _first(run, "heavy", "light") == pytest.approx(0.15, abs=1e-7)
+    assert run["last.w"][-1] == pytest.approx(1.2 / (follows + 0.9) * 0.15**2 / 2.0, rel=1e-7)
+    assert run["locked.w"][-1] == pytest.approx(run["last.w"][-1] if follows == 2.0 else 0.0, abs=1e-12)
