@@ -28,6 +28,7 @@ from gearblocks.errors import ParameterError, by_name_only, warn
 from gearblocks.language.units import seconds
 from gearblocks.model.following_starts import numbers_of_their_own
 from gearblocks.simulation.arguments import duration, parameter_vector
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -72,6 +73,7 @@ def export(
     program = with_inputs(model.program, held)
     by_name = initial if isinstance(initial, Mapping) else None
     values = parameter_vector(model, parameters or {}, by_name)
+    warn_of_parameters(model, parameters)
     values = rolled_values(model, program, values, initial)
     _say_what_does_not_follow(model)
     start = start_vector(program, initial)

@@ -19,6 +19,7 @@ from gearblocks.pages import small_table
 from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import kinematics
 from gearblocks.solver.library import Model
@@ -101,6 +102,7 @@ def campbell(
     names = {p.path: i for i, p in enumerate(model.program.parameters) if p.tunable}
     body = _body_of(model, speed)
     driven = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")]
+    warn_of_parameters(model, parameters)
     found, damping = [], []
     for value in values:
         with operating_point(

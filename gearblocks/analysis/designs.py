@@ -81,6 +81,13 @@ def paths_of(given: Any) -> set[str]:
     return {path for case in listed if isinstance(case, Mapping) for path in case if isinstance(path, str)}
 
 
+def rows_of(given: Any) -> Mapping[str, Any]:
+    """Rows of values by path, of dicts of a case each, too."""
+    if isinstance(given, Mapping):
+        return given
+    return {path: [case[path] for case in given if path in case] for path in sorted(paths_of(given))}
+
+
 def _has_texts(values: Any) -> bool:
     return isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind in "UO"
 

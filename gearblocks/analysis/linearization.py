@@ -32,6 +32,7 @@ from gearblocks.simulation.arguments import (
     picked_outputs,
     resolve,
 )  # fmt: skip
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point, derivative, restarted, state_matrix, steps_of
@@ -143,6 +144,7 @@ def linearize(
     """
     model = build(train)
     program = model.program
+    warn_of_parameters(model, parameters)
     values = {n: v for n, v in inputs.items() if _is_input(program, n)} if isinstance(inputs, Mapping) else {}
     with operating_point(model, at, t, parameters, values) as point:
         columns, pick = _outputs(point, outputs)

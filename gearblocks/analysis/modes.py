@@ -23,6 +23,7 @@ from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
 from gearblocks.plurals import singular
 from gearblocks.running import build
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import Kinematics, kinematics
 from gearblocks.solver.library import Model
@@ -155,10 +156,10 @@ def modes(
     cycle, or creeps off a crest. Frequencies move with that angle: at={"motor.phi": ...} asks for another one.
     frozen_angles: without that slope, the stiffness of a mesh cycle being what it is at the present angle: the train turns
     freely, as one with constant stiffness does. A torque over an absolute angle, such as gravity's on a pendulum, restores
-    nothing then; a transmission error over the angle goes on to answer turning through the damping of its mesh, and is left
-    out by rig.without(...).
+    nothing then; a transmission error over the angle still answers turning through the damping of its mesh.
     """
     model = build(train)
+    warn_of_parameters(model, parameters)
     with operating_point(model, at, t, parameters) as point:
         return modes_at(point, count, frozen_angles=frozen_angles)
 

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.analysis.designs import Design, grid, paths_of, with_numbers
+from gearblocks.analysis.designs import Design, grid, paths_of, rows_of, with_numbers
 from gearblocks.analysis.designs import cases as listed_cases
 from gearblocks.analysis.measuring import measure, measure_packed, packed
 from gearblocks.analysis.sections import Section
@@ -30,6 +30,7 @@ from gearblocks.analysis.workers import as_done, executor_of
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only, warn
 from gearblocks.running import build
+from gearblocks.simulation.plausibility import warn_of_parameters, warn_of_rows
 from gearblocks.solver.lanes import POINTS as LANES
 from gearblocks.solver.library import Model
 
@@ -124,6 +125,8 @@ def _studied(
             check_varies(model(), path, settings.initial, fields)
         raise
     task, name_units = task_of(model(), design, quantity, settings, fields)
+    warn_of_parameters(task.model, settings.parameters)
+    warn_of_rows(task.model, rows_of(given))
     run = _Run(task, design, name_units)
     with executor_of(executor, threads) as (pool, workers):
         if store is not None:

@@ -28,7 +28,6 @@ from gearblocks.simulation.arguments import (
     method_words,
     parameter_vector,
     picked_outputs,
-    resolve,
     sample_times,
     set_inputs,
 )
@@ -40,6 +39,7 @@ from gearblocks.simulation.explaining import explained
 from gearblocks.simulation.failures import component_of, reason, too_long
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import run_again
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.simulation.recorded_memory import memory_limit
 from gearblocks.simulation.records import FinalState, NamedValues, Stats
 from gearblocks.simulation.rolling import rolled
@@ -52,8 +52,6 @@ from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.record import Record
 from gearblocks.solver.structures import Array, Code, Counters, Options
-from gearblocks.train.graph import blocks_of
-from gearblocks.train.plausibility import warn_of_changed
 
 
 def run_model(
@@ -78,7 +76,7 @@ def run_model(
     pick = picked_outputs(program, outputs)
     with model.library.reopen() as sim:
         values = sim.parameters[:] = parameter_vector(model, parameters or {}, initial)
-        _doubt(model, parameters or {})
+        warn_of_parameters(model, parameters)
         check_jacobian(options, program, sim.has_jacobian)
         set_inputs(sim, program, inputs)
         if is_rolling(initial):
@@ -373,11 +371,3 @@ def stats_of(counters: Counters, cpu: float, method: str, why: str) -> Stats:
 def _final_state(program: Program, row: Array) -> FinalState:
     end = 1 + program.n_total
     return FinalState(float(row[0]), row[1:end].copy(), row[end : end + len(program.switches)].copy(), program.key)
-
-
-def _doubt(model: Model, parameters: Mapping[str, float | str]) -> None:
-    """Warns of bare numbers in SI that are more than their field expects."""
-    for name, value in parameters.items():
-        info = model.program.parameters[resolve(name, model.program.parameter_numbers, "parameter")]
-        if model.tree is not None and not info.given_in:
-            warn_of_changed(blocks_of(model.tree), info.path, value)

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from numbers import Real
 
 from gearblocks.errors import warn
 from gearblocks.language.block import Block
 from gearblocks.language.fields import Field
 from gearblocks.language.signals import constant_value
+from gearblocks.language.units import Given
 from gearblocks.train.values import numbers_of
 
 
@@ -19,7 +21,7 @@ def unusual(path: str, block: Block, *, bare: bool = False) -> Iterator[str]:
     """Numbers above what their field expects; bare: of those that are given without a unit alone."""
     for name, value, spec in numbers_of(block, f"{path}."):
         number = abs(constant_value(value)) if spec.usual is not None else math.nan
-        if not (bare and type(value) not in (int, float)):
+        if is_bare(value) or not bare:
             yield from _doubt(name, number, spec, f'{name.rpartition(".")[2]}="{number:g} mm"')
 
 
@@ -36,13 +38,17 @@ def warn_of_doubts(path: str, part: object) -> None:
         warn(f"{type(part).__name__} {doubt}")
 
 
-def warn_of_changed(blocks: Iterable[tuple[str, Block]], path: str, value: object) -> None:
-    """A GearblocksWarning where a parameter of a run, given without a unit, is more than its field expects."""
-    if type(value) not in (int, float):
-        return
+def is_bare(value: object) -> bool:
+    """Whether a value is a number that is given without a unit."""
+    return isinstance(value, Real) and not isinstance(value, (bool, Given))
+
+
+def warn_of_changed(blocks: Iterable[tuple[str, Block]], path: str, value: float, meant: str) -> None:
+    """A GearblocksWarning where a parameter of a run, given without a unit, is more than its field expects; meant: how it is
+    written where millimetres were meant, with {path} and {number}."""
+    number = abs(value)
     for component, block in blocks:
         for name, _, spec in numbers_of(block, f"{component}.") if path.startswith(f"{component}.") else ():
             if name == path:
-                number = abs(float(value))  # type: ignore[arg-type]
-                for doubt in _doubt(path, number, spec, f'parameters={{"{path}": "{number:g} mm"}}'):
+                for doubt in _doubt(path, number, spec, meant.format(path=path, number=number)):
                     warn(f"{type(block).__name__} {doubt}")

@@ -38,9 +38,11 @@ from gearblocks.codegen.program import ParameterInfo
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.files import write_text
+from gearblocks.language.units import has_unit
 from gearblocks.model.listing import matches
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.plausibility import warn_of_parameters, warn_of_rows
 from gearblocks.solver.cache import digest
 from gearblocks.solver.library import Model
 
@@ -131,8 +133,9 @@ def bifurcation(
     asked = rising(values, info)
     output = output_of(model.program, of)
     if not carry:
+        row: Any = values if np.ndim(values) and not has_unit(values) else [values]
         study = sweep(
-            model, {info.path: asked}, quantity=_quantities(model, output, longest),
+            model, {info.path: row}, quantity=_quantities(model, output, longest),
             section=section, transient=transient, keep=keep, rtol=rtol, parameters=parameters, initial=initial,
             executor=executor, threads=threads, store=store, progress=progress,
         )  # fmt: skip
@@ -142,6 +145,8 @@ def bifurcation(
         return strobe(model, section, {**(parameters or {}), info.path: value}, initial, rtol)
 
     points = np.full((2, len(asked), keep), np.nan)
+    warn_of_parameters(model, parameters)
+    warn_of_rows(model, {info.path: values})
     protocol = Asked(at(asked[0]), transient, keep, longest)
     warn_if_stiff(protocol.seen, initial)
     identity = _identity(protocol, info.path, asked, output, labels, section, initial)

@@ -28,6 +28,7 @@ from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.running import build
 from gearblocks.simulation.arguments import number_of, resolve
+from gearblocks.simulation.plausibility import warn_of_parameters, warn_of_rows
 from gearblocks.simulation.start_states import standing_run
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.library import Model
@@ -167,6 +168,8 @@ def continue_orbit(
     def at(value: float) -> Strobe:  # in SI, as derivatives by it are
         return strobe(model, section, {**(parameters or {}), info.path: f"{value!r} {info.unit or '1'}"}, initial, rtol)
 
+    warn_of_parameters(model, parameters)
+    warn_of_rows(model, {info.path: span})
     warn_if_stiff(at(begin), initial)
 
     def change(seen: Strobe, unit: float) -> Change:

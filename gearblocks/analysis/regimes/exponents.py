@@ -26,6 +26,7 @@ from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.running import build
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -129,6 +130,7 @@ def lyapunov(
             f"periods = {periods} must be >= {BATCHES}, transient = {transient} >= 0 and count = {count} >= 1"
         )
     seen = strobe(build(train), section, parameters, initial, rtol)
+    warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
     seen, y = seen.settled(initial, transient)
     neutral = neutral_directions(seen, y)

@@ -22,6 +22,7 @@ from gearblocks.analysis.sections import LONGEST, Section, repeats
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.running import build
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -88,6 +89,7 @@ def spectrum(
         )
     quantity = model.program.outputs[output_of(model.program, of)]
     seen = strobe(model, section, parameters, initial, rtol)
+    warn_of_parameters(model, parameters)
     passed = seen.follow(seen.start(initial), transient + 2 * longest + 1).states
     y, after = passed[-1], len(passed)
     extent = np.abs(np.vstack([passed[transient:], seen.follow(y, longest, after=after, parts=16).states])).max(axis=0)

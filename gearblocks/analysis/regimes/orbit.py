@@ -21,6 +21,7 @@ from gearblocks.analysis.sections import Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.running import build
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.simulation.records import FinalState
 from gearblocks.simulation.start_states import standing_run
 from gearblocks.simulation.trajectory import Trajectory
@@ -96,6 +97,7 @@ def periodic_orbit(
     if periods < 1 or transient < 0:
         raise ParameterError(f"periods = {periods} must be >= 1 and transient = {transient} must be >= 0")
     seen = strobe(build(train), section, parameters, initial, rtol)
+    warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
     seen, y = seen.settled(initial, transient)
     neutral = neutral_directions(seen, y)

@@ -33,6 +33,7 @@ from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.running import build
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.solver.library import Model
 
 Array = NDArray[np.float64]
@@ -94,6 +95,7 @@ def classify(
             f"and keep = {keep} > twice longest: every period must be seen to repeat"
         )
     seen = strobe(build(train), section, parameters, initial, rtol)
+    warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
     found = [Asked(seen, transient, keep, longest, lasting).regime(y) for y in _starts(seen, initial, starts)]
     return found[0] if starts == 1 else _together(found)

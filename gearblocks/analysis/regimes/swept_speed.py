@@ -27,6 +27,7 @@ from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
+from gearblocks.simulation.plausibility import warn_of_parameters, warn_of_rows
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -117,6 +118,8 @@ def speed_sweep(
     def at(value: float) -> Strobe:
         return strobe(model, where, {**(parameters or {}), info.path: value}, initial, rtol)
 
+    warn_of_parameters(model, parameters)
+    warn_of_rows(model, {info.path: values})
     warn_if_stiff(at(asked[0]), initial)
     protocol = _Protocol(at, model.program.outputs[output].name, transient, keep, samples)
     found = np.full((2, len(asked), 4), np.nan)

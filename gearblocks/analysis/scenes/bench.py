@@ -41,6 +41,7 @@ from gearblocks.simulation.failures import reason
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import StoppedError, measured_run, merged, run_again
 from gearblocks.simulation.needs import Needs
+from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.simulation.records import Stats
 from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.run import run_case, stats_of
@@ -220,6 +221,7 @@ def bench_of(
     tuned, driven, initial = scene.parameters, with_tables(scene.inputs), scene.initial
     if drivetrain is None:
         model = full
+        warn_of_parameters(full, tuned)
     else:
         model = model or build(drivetrain)
         initial = carried_start(full, model, initial, t_start=scene.begin, parameters=tuned, inputs=driven)

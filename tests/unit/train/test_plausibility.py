@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import gearblocks as gb
@@ -39,6 +40,8 @@ def test_a_module_that_a_run_is_given_is_warned_of_too() -> None:
     with pytest.warns(GearblocksWarning, match=words) as given:
         gb.simulate(rig, t_end=1e-5, parameters={"module": 4.0})
     assert Path(given[0].filename) == Path(__file__)
+    with pytest.warns(GearblocksWarning, match=words):
+        gb.simulate(rig, t_end=1e-5, parameters={"module": np.float64(4.0)})
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         gb.simulate(rig, t_end=1e-5, parameters={"mesh.module": "4 mm", "mesh.k": 2e8})
