@@ -102,15 +102,32 @@ static int noise_of_first_load(gb_sim *sim, double h, const double *time_terms, 
     return any;
 }
 
+/* Noise is most of the tolerance of a state that has a scale. */
+static int is_noisy(const gb_sim *sim, double h) {
+    int noisy = 0;
+    for (int i = 0; i < sim->model->n; i++) {
+        noisy |= gb_has_scale(sim, i) && h * sim->control.noise[i] * sim->control.error_weight[i] > 0.5;
+    }
+    return noisy;
+}
+
+static void renew_least_scales(gb_sim *sim) {
+    gb_head *head = sim->head;
+    if (head->counts.steps >= head->control.least_scale_at) {
+        gb_least_scales(sim);
+        head->control.least_scale_at = head->counts.steps + head->counts.steps / 4 + 1;
+    }
+}
+
 void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *trial) {
     gb_head *head = sim->head;
-    const int n = sim->model->n, speeds = n - sim->model->n_speeds;
-    const int implicit = sim->method->gamma > 0.0;
+    const int n = sim->model->n, speeds = n - sim->model->n_speeds, implicit = sim->method->gamma > 0.0;
     /* what begins to move has its rounding for a scale, and it had none in other modes */
     const int moved = trial != NULL && head->control.noise_modes != head->events.mode_hash;
     const int longer = h > 4.0 * head->control.h_noise && (implicit || head->control.unscaled);
     double *left = sim->k + (size_t)(implicit ? GB_SPARE - 1 : GB_STAGES - 3) * (size_t)sim->model->n_total;
-    const int due = head->counts.steps >= head->control.noise_at || (implicit && moved) || longer;
+    const int shorter = implicit && gb_noise_is_of_longer(sim, h);
+    const int due = head->counts.steps >= head->control.noise_at || (implicit && moved) || longer || shorter;
     const int follows = trial != NULL && (head->counts.steps == 0 || gb_begins_to_move(sim));
     const int locked = (follows || due) && gb_some_active(sim);
     const double *time_terms = at->time_terms + sim->method->stages;
@@ -122,15 +139,15 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
         if (!locked) {
             memset(left, 0, sizeof(double) * (size_t)n);
         }
-        const double valid = !implicit || !(moved || longer) ? HUGE_VAL : moved ? 0.0 : elapsed;
+        const double old = moved || shorter ? 0.0 : longer ? elapsed : HUGE_VAL;
+        const double valid = implicit ? old : HUGE_VAL;
         gb_measure_noise(sim, h, at, left, loads ? 0.0 : valid);
         head->control.noise_modes = head->events.mode_hash;
         head->control.h_noise = h;
         head->control.noise_at = 2 * head->counts.steps + 1;
     }
-    if (implicit && head->counts.steps >= head->control.least_scale_at) {
-        gb_least_scales(sim);
-        head->control.least_scale_at = head->counts.steps + head->counts.steps / 4 + 1;
+    if (implicit) {
+        renew_least_scales(sim);
     }
     gb_sizes sizes = {.rtol = head->options.rtol,
                       .h = h,
@@ -148,6 +165,8 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     sizes.begun = h * least_speed;
     sizes.least =
         1e-10 * gb_max(largest_in(sim->control.largest, sizes.trial, 0, speeds), head->control.natural_coordinate);
+    head->control.least_coordinate = sizes.least;
+    head->control.least_speed = least_speed;
     head->control.unscaled = weigh(sim, &sizes, 0, speeds);
     sizes.begun = 0.0;
     sizes.least = least_speed;
@@ -155,6 +174,7 @@ void gb_error_weights(gb_sim *sim, double h, const gb_lanes *at, const double *t
     head->control.unscaled |= weigh(sim, &sizes, speeds, n);
     head->control.h_weights = h;
     head->control.t_weights = head->front.t1;
+    head->control.noisy = implicit && is_noisy(sim, h);
 }
 
 void gb_forget_trial(gb_sim *sim, double error) {

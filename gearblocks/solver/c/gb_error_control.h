@@ -30,6 +30,11 @@ static inline int gb_weights_follow_trial(const gb_sim *sim) {
     return sim->head->control.unscaled && gb_begins_to_move(sim);
 }
 
+/* Whether noise that is most of a tolerance is that of a step much longer than h. */
+static inline int gb_noise_is_of_longer(const gb_sim *sim, double h) {
+    return sim->head->control.noisy && h < 0.25 * sim->head->control.h_noise;
+}
+
 /* Takes the front into the tolerance scales. The error weights of an implicit method are kept until a scale is by a
  * tenth beyond what they were made for: the tolerance lags behind on the safe side. */
 void gb_scales_grow(gb_sim *sim, const double *y);

@@ -80,22 +80,22 @@ enum { GB_SMALL = 1, GB_AT_REST = 2 };
 
 /* Step control. */
 struct gb_pace {
-    double h_next, h_largest;           /* proposed; of all accepted steps */
-    double h_worked;                    /* the last accepted size, or the proposed one if that is smaller */
-    double h_weights, t_weights;        /* step size and time for which the error weights were made */
-    double h_noise;                     /* step size for which the noise was measured */
-    double log_error;                   /* of the last accepted step, base 2 */
-    double h_feature;                   /* see gb_features.h: limit of the next step, 0: none */
-    double h_trusted, defect_gap;       /* dense polynomials proved right up to it; steps from look to look inside */
-    double reach_rate;                  /* the fastest rate that the last look found: see gb_reach.h */
-    long long reach_at, reach_gap;      /* when to look again, and how many steps later once more */
-    uint64_t reach_modes, noise_modes;  /* of the last look; those in which the noise was measured */
-    long long noise_at, least_scale_at; /* when noise and least scales are to be renewed */
-    long long refused_at, defect_at;    /* the last step with a refused trial, from 1 on; the next look inside */
-    double log_refused;                 /* error of the trial that was refused last, base 2 */
-    unsigned noise_pattern, doublings;  /* measurements of noise and doublings of what they find, so far */
-    double natural, natural_coordinate; /* the largest natural scale of a speed (-1: not known) and of a coordinate */
-    int moved, unscaled;                /* see gb_rest.h; states without a tolerance scale yet: GB_SMALL, GB_AT_REST */
+    double h_next, h_largest;             /* proposed; of all accepted steps */
+    double h_worked;                      /* the last accepted size, or the proposed one if that is smaller */
+    double h_weights, t_weights, h_noise; /* size and time for which the error weights were made; for the noise */
+    double log_error;                     /* of the last accepted step, base 2 */
+    double h_feature;                     /* see gb_features.h: limit of the next step, 0: none */
+    double h_trusted, defect_gap;         /* dense polynomials proved right up to it; steps from look to look inside */
+    double reach_rate;                    /* the fastest rate that the last look found: see gb_reach.h */
+    long long reach_at, reach_gap;        /* when to look again, and how many steps later once more */
+    uint64_t reach_modes, noise_modes;    /* of the last look; those in which the noise was measured */
+    long long noise_at, least_scale_at;   /* when noise and least scales are to be renewed */
+    long long refused_at, defect_at;      /* the last step with a refused trial, from 1 on; the next look inside */
+    double log_refused;                   /* error of the trial that was refused last, base 2 */
+    unsigned noise_pattern, doublings;    /* measurements of noise and doublings of what they find, so far */
+    double natural, natural_coordinate;   /* the largest natural scale of a speed (-1: not known) and of a coordinate */
+    double least_speed, least_coordinate; /* what has not been larger has no scale */
+    int moved, unscaled, noisy; /* see gb_rest.h; states without a scale: GB_SMALL, GB_AT_REST; tolerances are noise */
     double cut_error[GB_MEMORY];
     gb_patience cuts; /* with cuts: see gb_cut.h */
 };

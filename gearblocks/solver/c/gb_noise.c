@@ -142,15 +142,20 @@ static void rates_after(gb_sim *sim, const gb_lanes *at, double moved, double *r
     sim->head->counts.rhs_calls++;
 }
 
-/* Adds to the noise what these changes of the rates make of a step, times a gain; times another one for those that the
- * second instant of a difference in time changes (NULL: none). */
-static void add_noise(gb_sim *sim, double *change, double gain, const double *second, double of_slope) {
+enum { WITHOUT_SCALE, WITH_SCALE, ALL };
+
+/* Adds to the noise of these states what these changes of the rates make of a step, times a gain; times another one for
+ * those without a scale that the second instant of a difference in time changes (NULL: none). */
+static void add_noise(gb_sim *sim, int which, double *change, double gain, const double *second, double of_slope) {
     if (sim->method->gamma > 0.0) {
         gb_rosenbrock_response(sim, change);
     }
     for (int i = 0; i < sim->model->n; i++) {
-        const double own = second && second[i] != sim->k1[i] ? of_slope : gain;
-        sim->control.noise[i] = gb_max(sim->control.noise[i], own * fabs(change[i]));
+        const int scaled = gb_has_scale(sim, i), slopes = second && (which == ALL ? !scaled : 1);
+        const double own = slopes && second[i] != sim->k1[i] ? of_slope : gain;
+        if (which == ALL || which == scaled) {
+            sim->control.noise[i] = gb_max(sim->control.noise[i], own * fabs(change[i]));
+        }
     }
 }
 
@@ -170,16 +175,21 @@ static void change_of_rates(gb_sim *sim, const gb_lanes *at, double moved, doubl
 /* Noise of the slope in time of implicit methods, a difference between two instants: the second one moved a little, its
  * rates are off the line through both by their rounding. What the states alone make of the rates rounds alike at all
  * instants. Without a scale, where that may be nothing by chance: all that time changes. */
-static void add_noise_of_slope(gb_sim *sim, double h, const gb_lanes *at, int scaled, double *rate,
-                               const double *second) {
+static void add_noise_of_slope(gb_sim *sim, double h, const gb_lanes *at, double *rate, const double *second) {
     const double gain = gain_of_doublings(sim), apart = gb_rosenbrock_time_step(at->t[0], h);
     const double moved = gb_max(1e-9 * apart, 8.0 * DBL_EPSILON * fabs(at->t[0]));
-    change_of_rates(sim, at, scaled ? apart + moved : 2.0 * DBL_EPSILON * fabs(at->t[0]), rate);
-    for (int i = 0; i < sim->model->n && scaled; i++) {
-        const double line = second[i] - sim->k1[i];
-        rate[i] = rate[i] - line - moved / apart * line;
+    if (sim->head->counts.steps > 0) {
+        change_of_rates(sim, at, apart + moved, rate);
+        for (int i = 0; i < sim->model->n; i++) {
+            const double line = second[i] - sim->k1[i];
+            rate[i] = rate[i] - line - moved / apart * line;
+        }
+        add_noise(sim, WITH_SCALE, rate, gain, second, gain_of_slope(sim, h, apart));
     }
-    add_noise(sim, rate, gain, second, gain_of_slope(sim, h, apart));
+    if (sim->head->control.unscaled || sim->head->counts.steps == 0) {
+        change_of_rates(sim, at, 2.0 * DBL_EPSILON * fabs(at->t[0]), rate);
+        add_noise(sim, WITHOUT_SCALE, rate, gain, second, gain_of_slope(sim, h, apart));
+    }
 }
 
 /* What rounding of the time terms themselves, where they are sums, makes of the rates. */
@@ -211,7 +221,6 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     const int timed = model->n_time_terms > 0 && at->t[0] != 0.0 && sim->head->events.n_sliding == 0;
     const int implicit = sim->method->gamma > 0.0;
     const int summed = model->time_term_sizes != NULL && sim->head->events.n_sliding == 0;
-    const int scaled = implicit && !sim->head->control.unscaled && sim->head->counts.steps > 0;
     const double gain = gain_of_doublings(sim), apart = gb_rosenbrock_time_step(at->t[0], h);
     if (timed && implicit) {
         rates_after(sim, at, apart, second);
@@ -230,13 +239,14 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
     for (int i = 0; i < model->n; i++) {
         rate[i] = is_raised(i, pattern) ? left[i] : -left[i];
     }
-    if (scaled) { /* what is stiff, or held by others, does not follow its noise */
+    if (implicit && sim->head->counts.steps > 0) { /* what is stiff, or held by others, does not follow its noise */
         gb_rosenbrock_response(sim, rate);
     }
     for (int i = 0; i < model->n_padded; i++) {
         const double begun = gb_max(sim->control.natural_scale[i], fabs(first * sim->k1[i]));
         const double own = 2.0 * DBL_EPSILON * gb_max(sim->control.largest[i], begun);
-        const double bit = i < model->n ? gb_max(own, h * fabs(rate[i])) : own;
+        const double reached = i < model->n ? h * (implicit && gb_has_scale(sim, i) ? fabs(rate[i]) : left[i]) : 0.0;
+        const double bit = gb_max(own, reached);
         sim->z2[i] = sim->y0[i] + (is_raised(i, pattern) ? bit : -bit);
     }
     for (int i = 0; i < model->n; i++) {
@@ -244,12 +254,12 @@ void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, d
         sim->control.noise[i] = gb_max(left[i], least);
     }
     change_of_rates(sim, at, 0.0, rate);
-    add_noise(sim, rate, gain, timed && implicit && !scaled ? second : NULL, gain_of_slope(sim, h, apart));
+    add_noise(sim, ALL, rate, gain, timed && implicit ? second : NULL, gain_of_slope(sim, h, apart));
     if (timed && implicit) {
-        add_noise_of_slope(sim, h, at, scaled, rate, second);
+        add_noise_of_slope(sim, h, at, rate, second);
     }
     if (summed && implicit) {
         change_by_terms(sim, at, rate);
-        add_noise(sim, rate, OF_TANGENTS * gain, NULL, 0.0);
+        add_noise(sim, ALL, rate, OF_TANGENTS * gain, NULL, 0.0);
     }
 }

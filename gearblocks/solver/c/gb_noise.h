@@ -17,4 +17,12 @@ int gb_noise_of_locks(gb_sim *sim, const double *time_terms, const double *y, do
  * state has been. */
 void gb_measure_noise(gb_sim *sim, double h, const gb_lanes *at, double *left, double valid);
 
+/* State i has a scale of its own: it has moved by more than what counts as one for its kind. */
+static inline int gb_has_scale(const gb_sim *sim, int i) {
+    const struct gb_pace *control = &sim->head->control;
+    const int speed = i >= sim->model->n - sim->model->n_speeds;
+    return sim->head->counts.steps > 0 &&
+           sim->control.largest[i] > (speed ? control->least_speed : control->least_coordinate);
+}
+
 #endif

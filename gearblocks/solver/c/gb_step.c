@@ -180,8 +180,9 @@ static double judge(gb_sim *sim, double h) {
         last_derivative(sim);
     }
     if (adaptive) {
-        const int old = implicit && head->front.t1 - head->front.t_start >
-                                        2.0 * (head->control.t_weights - head->front.t_start) + h;
+        const int old = implicit && (head->front.t1 - head->front.t_start >
+                                         2.0 * (head->control.t_weights - head->front.t_start) + h ||
+                                     gb_noise_is_of_longer(sim, h));
         if (head->control.h_weights == 0.0 || h > 2.0 * head->control.h_weights || old ||
             gb_weights_follow_trial(sim)) {
             gb_error_weights(sim, h, &sim->lanes, head->control.unscaled || head->counts.steps == 0 ? sim->z : NULL);
