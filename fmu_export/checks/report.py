@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gearblocks.language.tidy import Tidy
+from gearblocks.plurals import singular
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,17 +35,20 @@ class Report(metaclass=Tidy):
     def __str__(self) -> str:
         width = max((len(item.name) for item in self.items), default=0)
         lines = [f"{self.path.name}: {'passed' if self.ok else 'FAILED'}"]
-        lines += [f"  {_mark(item):<6}  {item.name:<{width}}  {item.words}" for item in self.items]
+        lines += [f"  {_mark(item):<6}  {item.name:<{width}}  {singular(item.words)}" for item in self.items]
         return "\n".join(lines)
 
     def to_html(self) -> str:
         """An HTML fragment: one table."""
         rows = "\n".join(
             f'<tr class="{_mark(item)}"><td>{_mark(item)}</td><td>{html.escape(item.name)}</td>'
-            f"<td>{html.escape(item.words)}</td></tr>"
+            f"<td>{html.escape(singular(item.words))}</td></tr>"
             for item in self.items
         )
-        return f"<table><tr><th></th><th>check</th><th>seen</th></tr>\n{rows}\n</table>"
+        return f'<table style="text-align: left"><tr><th></th><th>check</th><th>seen</th></tr>\n{rows}\n</table>'
+
+    def _repr_html_(self) -> str:
+        return self.to_html()
 
 
 def _mark(item: Item) -> str:

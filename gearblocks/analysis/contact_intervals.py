@@ -15,6 +15,7 @@ from gearblocks.analysis.quantity import belongs
 from gearblocks.analysis.sections import Section, section_period
 from gearblocks.analysis.span import span_of_run
 from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
+from gearblocks.plurals import singular
 from gearblocks.simulation.events import KINDS
 from gearblocks.simulation.solution import values_at, window_of
 from gearblocks.simulation.trajectory import Trajectory
@@ -49,7 +50,9 @@ class ContactLoss:
         turns = "" if self.turn_share is None else f", {100 * self.turn_share:.4g} % of the revolutions"
         each = "" if self.per_period is None else f" ({self.per_period:.4g} in a period)"
         share = f"{100 * self.time_share:.4g} % of the time{turns}"
-        return f"<'{self.component}' is without contact for {share}; contact is made {len(self.closings)} times{each}>"
+        return singular(
+            f"<'{self.component}' is without contact for {share}; contact is made {len(self.closings)} times{each}>"
+        )
 
 
 @by_name_only

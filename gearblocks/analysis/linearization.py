@@ -314,7 +314,9 @@ class FrequencyResponse(metaclass=Tidy):
 
     def __repr__(self) -> str:
         listed = ", ".join(self.outputs[:3]) + (f", ... ({len(self.outputs)})" if len(self.outputs) > 3 else "")
-        return f"<FrequencyResponse of '{self.name}' to {self.input} at {len(self.frequencies)} frequencies: {listed}>"
+        return singular(
+            f"<FrequencyResponse of '{self.name}' to {self.input} at {len(self.frequencies)} frequencies: {listed}>"
+        )
 
     def plot(self, path: Any = None) -> Figure:
         """Magnitude and phase over the frequency in Hz (Bode); saved to `path` where given."""

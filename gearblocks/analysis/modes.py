@@ -21,7 +21,7 @@ from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
-from gearblocks.plurals import singular
+from gearblocks.plurals import among, singular
 from gearblocks.running import build
 from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
@@ -88,7 +88,7 @@ class Modes(metaclass=Tidy):
 
     def __repr__(self) -> str:
         span = f", {self.hertz.min():.6g} .. {self.hertz.max():.6g} Hz" if len(self) else ""
-        return singular(f"<Modes of '{self.name}': {len(self)} modes, {self.free} of them free rotation{span}>")
+        return singular(f"<Modes of '{self.name}': {len(self)} modes, {among(self.free, 'free rotation')}{span}>")
 
     def _rows(self) -> list[tuple[str, ...]]:
         """Heading and a row for each mode."""
@@ -113,7 +113,7 @@ class Modes(metaclass=Tidy):
             )
             slow += " (frozen_angles=True: laws that stay)" if self.tied and not self.frozen else ""
             notes.append(f"laws over the angle, as of a mesh cycle, are those at {at}{slow}")
-        return singular(f"{self.name}: {len(self)} modes, {self.free} of them free rotation"), notes
+        return singular(f"{self.name}: {len(self)} modes, {among(self.free, 'free rotation')}"), notes
 
     def _repr_html_(self) -> str:
         (head, *rows), (title, notes) = self._rows(), self._words()

@@ -119,8 +119,9 @@ class Study(metaclass=Tidy):
         return len(self.points)
 
     def _title(self) -> str:
-        size = " x ".join(map(str, self.shape)) if self.shape else f"{len(self.points)} cases"
-        return singular(f"study of '{self.meta.get('train', '')}': {size} over {', '.join(self.paths)}")
+        grid = f"{' x '.join(map(str, self.shape))} point{'s' * (len(self.points) != 1)}"
+        size = grid if self.shape else singular(f"{len(self.points)} cases")
+        return f"study of '{self.meta.get('train', '')}': {size} over {', '.join(self.paths)}"
 
     def _spans(self) -> list[tuple[str, str]]:
         """Each quantity and the range of its values."""

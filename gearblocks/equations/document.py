@@ -23,6 +23,7 @@ from gearblocks.pages import page
 
 WIDTH = 100
 """Characters in a line of text."""
+_LEGIBLE = 0.75  # of its width, that a drawing keeps on a telephone: it is moved aside there
 PAGE = 20
 """Lines of LaTeX that a page keeps together."""
 
@@ -105,7 +106,12 @@ class Nomenclature:
     def rows(self) -> list[dict[str, Any]]:
         """What the table shows."""
         return [
-            {"symbol": web.math(web.name_mathml(name)), "entry": entry, "points": _picture(entry.table)}
+            {
+                "symbol": web.math(web.name_mathml(name)),
+                "entry": entry,
+                "unit": web.unit(entry.unit),
+                "points": _picture(entry.table),
+            }
             for name, entry in self.entries
         ]
 
@@ -183,9 +189,11 @@ class Document:
                 number += line.left is not None
                 shown = web.flowing_mathml(line.left, line.right)
                 rows.append({"pieces": shown, "number": number if line.left is not None else None})
-            sections.append({"heading": section.heading, "rows": rows})
+            sections.append({"heading": section.heading.replace(" = ", "\xa0=\xa0"), "rows": rows})
         rows = self.nomenclature.rows()
-        values = {"title": self.title, "sections": sections, "rows": rows, "drawing": drawing}
+        width = re.search(r'<svg [^>]*?width="([\d.]+)"', drawing)
+        least = round(_LEGIBLE * float(width[1])) if width else 0
+        values = {"title": self.title, "sections": sections, "rows": rows, "drawing": drawing, "least": least}
         return page("gearblocks.equations", "equations.html.jinja", **values)
 
     def _repr_html_(self) -> str:

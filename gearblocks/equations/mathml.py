@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -31,7 +32,14 @@ from gearblocks.equations.nodes import (
 _DOTS = {1: "\N{DOT ABOVE}", 2: "\N{DIAERESIS}", 3: "\N{COMBINING THREE DOTS ABOVE}"}
 _SIGNS = {"-": "\N{MINUS SIGN}", "<=": "≤", ">=": "≥"}
 _WORDS = ("and", "or")
+_ABOVE = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _THIN = '<mspace width="0.17em"></mspace>'
+
+
+def unit(text: str) -> str:
+    """A unit such as kg m2, with what stands above and the Greek letter: kg m², µm."""
+    micro = re.sub(r"\bu(?=[^\W\d])", "µ", "" if text == "1" else text)
+    return re.sub(r"(?<=[^\W\d_])-?\d+", lambda found: found[0].translate(_ABOVE), micro)
 
 
 def name_mathml(name: Name, exponent: str = "") -> str:

@@ -90,7 +90,7 @@ class Events(Sequence[Event]):
     def __repr__(self) -> str:
         if len(self) <= 4:
             return repr(tuple(self))
-        return f"<{len(self)} events of {len(self.components)} components: {self[0]}, ..., {self[-1]}>"
+        return singular(f"<{len(self)} events of {len(self.components)} components: {self[0]}, ..., {self[-1]}>")
 
     def __str__(self) -> str:
         """A line each, of many the first ones."""

@@ -98,10 +98,10 @@ def number_text(value: float, digits: int = 12) -> str:
 
 
 def span_text(low: float, high: float, size: float = 0.0) -> str:
-    """The range of a quantity; an end that is rounding beside the other one, or beside a size, is 0."""
+    """The range of a quantity, or the value that it keeps; an end that is rounding beside the other, or a size, is 0."""
     least = 1e-12 * max(abs(low), abs(high), size)
     ends = (0.0 if abs(x) < least else x for x in (low, high))
-    return " .. ".join(number_text(float(x), 6) for x in ends)
+    return " .. ".join(dict.fromkeys(number_text(float(x), 6) for x in ends))
 
 
 def _behind(unit: str) -> str:

@@ -45,7 +45,7 @@ def test_a_sweep_writes_a_table_everything_and_a_picture(
     ]
     assert main(["sweep", script, *arguments, "--t-end", "0.5", "--out", str(tmp_path / "out"), "--jobs", "2"]) == 0
     text = capsys.readouterr().out
-    assert "3 x 2 over shaft.k, motor.J" in text and "peak(motor.phi): " in text
+    assert "3 x 2 points over shaft.k, motor.J" in text and "peak(motor.phi): " in text
     rows = [*csv.reader((tmp_path / "out" / "study.csv").read_text().splitlines())]
     assert rows[0] == ["shaft.k", "motor.J", "peak(motor.phi)", "last(motor.w)", "message"]
     stored = gb.Study.load(tmp_path / "out" / "study.nc")

@@ -61,7 +61,7 @@ def test_modes_crossings_and_studies_are_tables(model: gb.Model) -> None:
     rows = cells(shown(diagram))
     assert rows[0] == ["rpm", "Hz", "mode", "order"] and len(rows) == 1 + len(diagram.crossings) > 1
     study = gb.sweep(model, {"shaft.k": [100.0, 200.0]}, quantity=gb.peak("motor.w"), t_end=0.1)
-    assert cells(shown(study))[1] == ["peak(motor.w)", "1 .. 1 rad/s"]
+    assert cells(shown(study))[1] == ["peak(motor.w)", "1 rad/s"]
 
 
 def test_lists_and_comparisons_are_tables(model: gb.Model) -> None:

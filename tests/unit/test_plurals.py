@@ -24,3 +24,23 @@ def test_what_a_train_tells_of_itself_counts_right():
     told = [repr(gb.build(rig)), repr(gb.linearize(rig)), repr(gb.modes(rig)), repr(rig.equations())]
     assert "1 input," in told[0] and "1 mode," in told[2]
     assert not [x for x in told if singular(x) != x]
+
+
+def test_results_of_one_thing_count_right():
+    rig, drive = gb.Drivetrain("one"), gb.Parameter("drive", 1.0, "rad/s")
+    rig.chain(
+        rig.add("push", gb.Torque(tau=gb.cos(drive * gb.time))), rig.add("disc", gb.Inertia(J=1.0)),
+        rig.add("spring", gb.Shaft(k=2.0, c=0.4)), rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    ask = {"section": gb.stroboscopic("drive"), "transient": 2, "of": "disc.phi"}
+    told = [
+        repr(gb.speed_sweep(rig, "drive", [1.0], keep=2, **ask)),
+        repr(gb.bifurcation(rig, "drive", [1.0], keep=3, longest=1, **ask)),
+        repr(gb.sweep(rig, {"spring.k": [1.0]}, quantity=gb.peak("disc.w"), t_end=0.1)),
+        repr(gb.sweep(rig, {"spring.k": [1.0, 2.0], "disc.J": [1.0]}, quantity=gb.peak("disc.w"), t_end=0.1)),
+        str(gb.modes(rig)),
+        repr(gb.frequency_response(rig, "disc.J", "disc.phi", 2.0)),
+    ]
+    assert "1 value of drive" in told[0] and "1 value of drive" in told[1] and "at 1 frequency:" in told[5]
+    assert ": 1 point over" in told[2] and ": 2 x 1 points over" in told[3]
+    assert told[4].startswith("one: 1 mode, no free rotation")

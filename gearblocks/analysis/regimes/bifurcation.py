@@ -40,6 +40,7 @@ from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.files import write_text
 from gearblocks.language.units import has_unit
 from gearblocks.model.listing import matches
+from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plausibility import warn_of_parameters, warn_of_rows
@@ -76,7 +77,9 @@ class Bifurcation:
 
     def __repr__(self) -> str:
         listed = _listed(Counter(label for row in self.labels for label in row))
-        return f"<{self.of} over {len(self.values)} values of {self.path}, {' and '.join(self.directions)}: {listed}>"
+        return singular(
+            f"<{self.of} over {len(self.values)} values of {self.path}, {' and '.join(self.directions)}: {listed}>"
+        )
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Points over the parameter, those of both directions; saved where a path is given."""

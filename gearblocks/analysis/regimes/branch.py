@@ -26,6 +26,7 @@ from gearblocks.codegen.program import ParameterInfo
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.expression import finite_number
+from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import number_of, resolve
 from gearblocks.simulation.plausibility import warn_of_parameters, warn_of_rows
@@ -120,7 +121,7 @@ class OrbitBranch:
     def __repr__(self) -> str:
         listed = ", ".join(f"{mark.kind} at {mark.value:.6g}" for mark in self.marks)
         size = f"{len(self.values)} orbits of period {self.periods} over {self.path}, {int(self.stable.sum())} stable"
-        return f"<{size}; {listed or 'nothing marked'}; {self.ended}>"
+        return singular(f"<{size}; {listed or 'nothing marked'}; {self.ended}>")
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Root mean square of the output over the parameter, unstable orbits dashed, marks; saved where a path is given."""

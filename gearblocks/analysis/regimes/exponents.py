@@ -25,6 +25,7 @@ from gearblocks.analysis.regimes.strobe import Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.solver.library import Model
@@ -108,7 +109,7 @@ class LyapunovExponents:
     def __repr__(self) -> str:
         listed = ", ".join(f"{v:.4g} +- {e:.1g}" for v, e in zip(self.values[:4], self.errors[:4], strict=True))
         more = ", ..." if self.logs.shape[1] > 4 else ""
-        return f"<exponents {listed}{more} 1/s over {len(self.logs)} periods>"
+        return singular(f"<exponents {listed}{more} 1/s over {len(self.logs)} periods>")
 
     def plot(self, path: str | Path | None = None) -> Figure:
         """The history of the exponents over the periods; saved where a path is given."""

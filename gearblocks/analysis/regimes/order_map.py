@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.language.expression import finite_number
+from gearblocks.plurals import singular
 from gearblocks.simulation.solution import values_at, window_of
 from gearblocks.simulation.trajectory import Trajectory
 
@@ -73,7 +74,7 @@ class OrderMap:
     def __repr__(self) -> str:
         listed = ", ".join(f"{order:.4g}" for order in self.largest(3))
         span = f"{self.speed.min():.5g} .. {self.speed.max():.5g} {self.speed_unit}"
-        return f"<orders of {self.of} over {len(self.speed)} speeds, {span}: largest {listed}>"
+        return singular(f"<orders of {self.of} over {len(self.speed)} speeds, {span}: largest {listed}>")
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """The waterfall, and the largest orders over the speed; saved where a path is given."""

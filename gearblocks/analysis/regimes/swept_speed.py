@@ -25,6 +25,7 @@ from gearblocks.analysis.study_progress import progress as shown
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.expression import finite_number
+from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plausibility import warn_of_parameters, warn_of_rows
@@ -73,7 +74,9 @@ class SpeedSweep:
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{jump.direction} at {jump.last:.6g} .. {jump.first:.6g}" for jump in self.jumps)
-        return f"<{self.of} over {len(self.values)} values of {self.path}, up and down; jumps: {listed or 'none'}>"
+        return singular(
+            f"<{self.of} over {len(self.values)} values of {self.path}, up and down; jumps: {listed or 'none'}>"
+        )
 
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Root mean square and peak-to-peak over the parameter, up and down, jumps marked; saved where a path is given."""

@@ -114,19 +114,20 @@ class Fit:
     def evidence(self) -> str:
         """Quantities with everything and fitted, what the runs took, and where it holds."""
         full, lines = self.price.full, []
+        units = [f" {unit}".rstrip() for unit in self.scene.units]
         for i, name in enumerate(self.scene.names):
             change = percent(self.judgement.changes[i], self.judgement.errors[i]) + self.judgement.made_of
             lines.append(
-                f"{name}: {full.values[i]:.9g} +- {full.errors[i]:.1g} with everything, {self.value[i]:.9g} +- "
-                f"{self.error[i]:.1g} fitted ({change})"
+                f"{name}: {full.values[i]:.9g} +- {full.errors[i]:.1g}{units[i]} with everything, {self.value[i]:.9g} +- "
+                f"{self.error[i]:.1g}{units[i]} fitted ({change})"
             )
         whole, trial = self.price.whole, self.trial
-        lines.append(
+        took = (
             f"{whole.n_states} states, {self.full.rhs_calls:,} right-hand sides and {1e3 * self.full.cpu_seconds:.3g} ms "
-            f"with everything; {trial.n_states}, {trial.stats.rhs_calls:,} and {1e3 * trial.stats.cpu_seconds:.3g} ms fitted, "
-            f"at {trial.estimates[1].effort}"
+            f"with everything; {trial.n_states} states, {trial.stats.rhs_calls:,} and {1e3 * trial.stats.cpu_seconds:.3g} ms "
+            f"fitted, at {trial.estimates[1].effort}"
         )
-        lines += [str(one) for one in self.around]
+        lines += [singular(took), *map(str, self.around)]
         return "\n".join([*lines, singular(f"{self.trains} trains built, {self.runs} runs made")])
 
     @property
@@ -177,7 +178,7 @@ class Fit:
         return f"{self.scene}\n{self.evidence}\n{self.sentence}"
 
     def __repr__(self) -> str:
-        return f"<Fit of '{self.scene.name}': {len(self.dropped)} effects left out, {self.effort}>"
+        return singular(f"<Fit of '{self.scene.name}': {len(self.dropped)} effects left out, {self.effort}>")
 
     def _repr_html_(self) -> str:
         from gearblocks.pages import small_table

@@ -120,7 +120,8 @@ class Price:
         head = ("taken away", *(names if len(names) > 1 else ("change",)), "verdict", "states", "switches", "events",
                 "right-hand sides", "CPU ms", "saved", "fastest")  # fmt: skip
         whole = self.whole
-        first = ("nothing", *(_value(v, e) for v, e in zip(self.full.values, self.full.errors, strict=True)), "",
+        values = (_value(v, e) for v, e in zip(self.full.values, self.full.errors, strict=True))
+        first = ("nothing", *self.scene.with_units(values), "",
                  str(whole.n_states), str(whole.n_switches), *_counts(whole.stats), "", "")  # fmt: skip
         return head, [first, *(self._line(row) for row in self.rows)]
 
@@ -133,7 +134,7 @@ class Price:
         share = self.share(row)
         saved = "" if math.isnan(share) else _saved(share)
         fastest = "" if math.isnan(row.fastest) else f"{row.fastest:.2g} s"
-        fewer = ("", "") if row.stats is None else (f"-{row.states}", f"-{row.switches}")
+        fewer = ("", "") if row.stats is None else tuple(f"{-n}" for n in (row.states, row.switches))
         return (row.name, *changes, said, *fewer, *_counts(row.stats), saved, fastest)
 
     def __str__(self) -> str:
@@ -153,8 +154,9 @@ class Price:
 
     def _repr_html_(self) -> str:
         head, rows = self.table()
-        numbers = range(len(self.scene.names) + 2, len(head))
-        return small_table(str(self.scene), rows, head=head, numbers=tuple(numbers), notes=[self.sentence])
+        verdict = len(self.scene.names) + 1
+        numbers = [i for i in range(1, len(head)) if i != verdict]
+        return small_table(str(self.scene), rows, head=head, numbers=numbers, notes=[self.sentence])
 
 
 _HEADS = {

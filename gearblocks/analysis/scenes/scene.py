@@ -5,18 +5,21 @@ A frozen value. Knows nothing of how it is run, priced or fitted.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, final
 
 from gearblocks.analysis.quantities import SectionPoints
+from gearblocks.analysis.quantity import Quantity
+from gearblocks.analysis.span import program_span
 from gearblocks.analysis.study_point import Measure
 from gearblocks.analysis.study_task import measures_of, names_of
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.language.tidy import Tidy, told
+from gearblocks.running import build
 from gearblocks.simulation.arguments import Start, begin_of, sample_times
 
 
@@ -87,6 +90,18 @@ class Scene(metaclass=Tidy):
     def names(self) -> tuple[str, ...]:
         """What is asked, in words: "peak(mesh.force, after=0.2)"."""
         return names_of(self.measures)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """The unit of each, "" where it has none or a function tells it."""
+        model = build(self.drivetrain)
+        span = program_span(model.program, self.begin, self.end, model.values, None)
+        found = (m.unit(span) if isinstance(m, Quantity) else "" for m in self.measures)
+        return tuple("" if unit == "1" else unit for unit in found)
+
+    def with_units(self, values: Iterable[str]) -> Iterator[str]:
+        """Texts of the quantities, in their order, each with its unit."""
+        yield from (f"{text} {unit}".rstrip() for text, unit in zip(values, self.units, strict=True))
 
     def changed(self, **values: Any) -> Scene:
         """The scene with other values, such as another drivetrain, t_end or within."""

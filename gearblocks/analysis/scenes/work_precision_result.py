@@ -19,6 +19,7 @@ from gearblocks.analysis.scenes.work_precision_points import Point, Verified
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.files import write_text
 from gearblocks.pages import small_table
+from gearblocks.plurals import singular
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -205,7 +206,8 @@ class WorkPrecision:
     @property
     def notes(self) -> list[str]:
         """How the reference was made and verified, and what the quantities cost."""
-        values = ", ".join(f"{n} = {x:.9g}" for n, x in zip(self.scene.names, self.reference.values, strict=True))
+        told = (f"{n} = {x:.9g}" for n, x in zip(self.scene.names, self.reference.values, strict=True))
+        values = ", ".join(self.scene.with_units(told))
         notes = [f"Reference: {values}, {self._made()}, to {self.reference.noise.max():.0e}"]
         if self.verified is not None:
             notes.append(f"{self.verified.effort} differs from it by {self.verified.errors.max():.0e}")
@@ -227,7 +229,9 @@ class WorkPrecision:
         return "\n".join([str(self.scene), *lines, *self.notes, self.sentence])
 
     def __repr__(self) -> str:
-        return f"<WorkPrecision of {self.scene.name}: {len(self.points)} runs; {self.sentence.splitlines()[0]}>"
+        return singular(
+            f"<WorkPrecision of {self.scene.name}: {len(self.points)} runs; {self.sentence.splitlines()[0]}>"
+        )
 
     def _repr_html_(self) -> str:
         head, *rows = self._table()

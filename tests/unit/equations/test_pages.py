@@ -1,6 +1,7 @@
 """Pages of equations: wide conditions stand in lines, and a page is the same in every process."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -45,3 +46,18 @@ def test_a_wide_condition_stands_in_lines():
     """Those that do not fit into a line of their cell make a table in the table of the cases."""
     assert _tables("u") == 1
     assert _tables("least_speed_of_the_wheels_") == 2
+
+
+def test_the_nomenclature_of_a_page_has_its_units_as_they_are_printed():
+    rig = gb.Drivetrain("units")
+    gap, drag = gb.Backlash(half_gap="60 um"), gb.SpeedLoad(coeffs=(0.0, 0.1, 0.2))
+    mesh = gb.GearMesh(teeth=(20, 30), external=True, module="2 mm", pressure_angle="20 deg", k=1e8, backlash=gap)
+    rig.chain(rig.add("pinion", gb.Inertia(J=1e-3)), rig.add("mesh", mesh), rig.add("wheel", gb.Inertia(J=1e-3)))
+    rig.connect(rig.add("drag", drag).flange, rig["wheel"].b)
+    page = rig.equations().html(rig._repr_svg_())
+    for unit in ("kg m²", "µm", "N m s²/rad²", "deg"):
+        assert f'<td class="unit">{unit}</td>' in page
+    assert "m2<" not in page and '<td class="unit">1</td>' not in page
+    width = float(re.search(r'<svg [^>]*?width="([0-9.]+)"', page)[1])
+    assert f"--least: {round(0.75 * width)}px" in page  # on a telephone it is moved aside, not made small
+    assert "--least:" not in rig.equations().html().partition("</head>")[2]

@@ -139,3 +139,17 @@ def test_a_scene_that_scatters_is_told_to_be_a_mean(hammer: Callable[..., gb.Dri
     trials = Trials(scene)
     found = fitted(trials, priced(trials))
     assert "means over runs: its motion scatters" in found.sentence
+
+
+def test_what_a_scene_tells_has_its_units(discs_scene: gb.Scene, best: Any) -> None:
+    units = [gb.build(discs_scene.drivetrain).program.output_units[m.output] for m in discs_scene.measures]
+    assert list(discs_scene.units) == units and all(units)
+    states = len(gb.build(best.drivetrain).program.states)
+    assert f"; {states} state" in best.evidence
+    for line, unit in zip(best.evidence.splitlines(), units, strict=False):
+        assert f" {unit} with everything, " in line and f" {unit} fitted (" in line
+    rows = best.price.table()[1]
+    assert [rows[0][1 + i].endswith(f" {unit}") for i, unit in enumerate(units)] == [True] * len(units)
+    assert not any(cell == "-0" for row in rows for cell in row)
+    twice = gb.Scene(discs_scene.drivetrain, t_end=0.01, quantity=(lambda run: run["motor.w"][-1], gb.count("bearing")))
+    assert twice.units == ("", "")
