@@ -6,10 +6,12 @@ from collections.abc import Collection, Sequence
 from typing import Any, final
 
 MOST_ROWS = 40
+FRAGMENT = "fragment.html.jinja"
 
 
 def page(package: str, template: str, **values: Any) -> str:
-    """Text of a template in a package's folder, filled; plain values are escaped, markupsafe ones are not."""
+    """Text of a template in a package's folder, filled; plain values are escaped, markupsafe ones are not. frame: what it
+    extends, a whole page by default, or what stands in a notebook (FRAGMENT)."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -19,7 +21,7 @@ def page(package: str, template: str, **values: Any) -> str:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    return environment.get_template(template).render(**values)
+    return environment.get_template(template).render(**{"frame": "page.html.jinja", **values})
 
 
 def small_table(

@@ -49,6 +49,7 @@ Complex = NDArray[np.complex128]
 DENSE = 1000
 """States up to which matrices are full arrays; longer trains stay sparse."""
 
+_CANCELS = 1e-9  # of two parts, each told by differences: their sum is rounding
 _SIDES = {-1.0: "coast side", 0.0: "no contact", 1.0: "drive side"}
 
 
@@ -96,7 +97,7 @@ class Linearization(metaclass=Tidy):
         return self.document().latex()
 
     def _repr_html_(self) -> str:
-        return self.document().html()
+        return self.document()._repr_html_()
 
     def response(self, frequencies: Any) -> Complex:
         """C (i w - A)^-1 B + D at angular frequencies [rad/s], shape (frequencies, outputs, inputs).
@@ -207,12 +208,15 @@ def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[i
 
 
 def _output_matrix(point: Point, columns: Indices, pick: list[int], A: Any) -> Any:
-    """C. Accelerations and reactions follow from the rates: their part is that of A, to the last digit."""
+    """C. Accelerations and reactions follow from the rates: their part is that of A, to the last digit; where both parts
+    cancel, as in the torque on a free end, nothing is left."""
     rates = point.rates()
     ones = np.maximum(np.abs(rates), 1.0)
     direct = derivative(lambda y: point.outputs(y, rates)[pick], point.y, columns, steps_of(point.program, point.y))
     through = derivative(lambda dy: point.outputs(rates=dy)[pick], rates, columns, ones)
-    return direct + through @ A
+    inner = through @ A
+    found = direct + inner
+    return found.multiply(abs(found) > _CANCELS * (abs(direct) + abs(inner)))
 
 
 def _with_angles(point: Point, columns: Indices) -> Any:

@@ -19,7 +19,7 @@ from gearblocks.equations.names import Name
 from gearblocks.equations.nodes import Node
 from gearblocks.equations.nomenclature import Entry
 from gearblocks.language.signals import Table
-from gearblocks.pages import page
+from gearblocks.pages import FRAGMENT, page
 
 WIDTH = 100
 """Characters in a line of text."""
@@ -182,6 +182,9 @@ class Document:
 
     def html(self, drawing: str = "") -> str:
         """A page that a browser shows without a network; drawing: SVG that stands above the equations."""
+        return self._page(drawing=drawing)
+
+    def _page(self, drawing: str = "", **frame: str) -> str:
         number, sections = 0, []
         for section in self.sections:
             rows = []
@@ -194,10 +197,10 @@ class Document:
         width = re.search(r'<svg [^>]*?width="([\d.]+)"', drawing)
         least = round(_LEGIBLE * float(width[1])) if width else 0
         values = {"title": self.title, "sections": sections, "rows": rows, "drawing": drawing, "least": least}
-        return page("gearblocks.equations", "equations.html.jinja", **values)
+        return page("gearblocks.equations", "equations.html.jinja", **values, **frame)
 
     def _repr_html_(self) -> str:
-        return self.html()
+        return self._page(frame=FRAGMENT)
 
 
 def _height(row: str) -> int:

@@ -267,7 +267,7 @@ class Equations:
         return self.document()._repr_latex_()
 
     def _repr_html_(self) -> str:
-        return self.html()
+        return self.document()._repr_html_()
 
     def __str__(self) -> str:
         return str(self.document())

@@ -79,3 +79,20 @@ def test_names_that_nothing_carries_are_refused():
         gb.linearize(_mass(), outputs=["shaft.twst"])
     with pytest.raises(gb.ParameterError, match="count = 0"):
         gb.modes(_pair(), count=0)
+
+
+def test_what_reaches_no_free_end_is_zero_in_the_matrices():
+    rig = gb.Drivetrain("one")
+    rig.chain(
+        rig.add("disc", gb.Inertia(J=1.0, w0=1.0)), rig.add("spring", gb.Shaft(k=4.0, c=0.1)),
+        rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    found = gb.linearize(rig, at=None)
+    rows = dict(zip(found.outputs, found.C, strict=True))
+    for name in (
+        "disc.a.tau",
+        "disc.a.power",
+        "ground.flange.power",
+    ):  # J w' less what the spring gives, twice the same
+        assert not rows[name].any(), name
+    assert rows["disc.b.tau"] == pytest.approx([-4.0, 0.1], rel=1e-9) and rows["spring.loss_power"][1] != 0

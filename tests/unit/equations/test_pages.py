@@ -61,3 +61,16 @@ def test_the_nomenclature_of_a_page_has_its_units_as_they_are_printed():
     width = float(re.search(r'<svg [^>]*?width="([0-9.]+)"', page)[1])
     assert f"--least: {round(0.75 * width)}px" in page  # on a telephone it is moved aside, not made small
     assert "--least:" not in rig.equations().html().partition("</head>")[2]
+
+
+def test_what_a_notebook_shows_touches_nothing_beside_it():
+    rig = gb.Drivetrain("two")
+    rig.chain(rig.add("a", gb.Inertia(J=1.0)), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("b", gb.Inertia(J=2.0)))
+    for thing in (rig.equations(), rig.equations().document(), gb.linearize(rig)):
+        shown = thing._repr_html_()
+        assert shown.startswith('<div class="gearblocks">') and "<html" not in shown and "<body" not in shown
+        style = shown.partition("<style>")[2].partition("</style>")[0].replace("@media (max-width: 40rem) {", "")
+        rules = [rule.partition("{")[0].strip() for rule in style.split("}")]
+        assert {rule.split()[0] for rule in rules if rule} == {".gearblocks"}
+    page = rig.equations().html()
+    assert page.startswith("<!DOCTYPE html>") and '<body class="gearblocks">' in page and page.count("<style>") == 1
