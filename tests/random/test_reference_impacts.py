@@ -14,7 +14,9 @@ if str(ROOT) not in sys.path:
 
 from tests.random.description import GROUND, Part, Train  # noqa: E402
 from tests.random.expressions import thing  # noqa: E402
+from tests.random.families import draw  # noqa: E402
 from tests.random.reference import reference_motion  # noqa: E402
+from tests.random.reference.switches import NoEvidenceError  # noqa: E402
 
 T = np.linspace(0.0, 1.0, 11)
 
@@ -202,3 +204,12 @@ def test_a_body_that_bounces_between_two_comes_to_rest_on_both(J, e, starts):
     motion = reference_motion(train, np.linspace(0.0, 0.5, 6))
     together = sum(m * w for m, w in zip(J, starts, strict=True)) / sum(J)
     assert motion.speeds[:, -1] == pytest.approx([together] * 3, abs=1e-8)
+
+
+def test_strikes_that_follow_so_closely_that_a_lock_has_hardly_slipped_between_them_are_no_evidence():
+    """A light body to and fro between a wall and a heavy one: each flight is a 60th of the one before, with a lock on it that
+    slips a little in each and is caught by each. Within ten flights nobody can tell that it does."""
+    train = draw("mixed", 20000008)
+    assert np.abs(reference_motion(train, np.array([0.0, 0.01637])).speeds[:, -1]).max() > 16.0
+    with pytest.raises(NoEvidenceError, match="a lock that hardly slips"):
+        reference_motion(train, np.array([0.0, 0.0164]))

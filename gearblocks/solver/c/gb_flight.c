@@ -72,6 +72,11 @@ static double push_on(gb_sim *sim, int i) {
     return sim->constraints.struck[i] == GB_STRUCK_TO_REST ? -gap_acceleration(sim, i) : 0.0;
 }
 
+int gb_ends_for_nothing(gb_sim *sim, int i) {
+    const double speed = -sim->constraints.slip[i], push = -gap_acceleration(sim, i);
+    return push > 0.0 && is_nothing(sim, i, 2.0 * speed / push, 0.5 * speed * speed / push, 0.0);
+}
+
 int gb_opens_for_nothing(gb_sim *sim, int i) {
     const double slip = sim->constraints.slip[i], push = push_on(sim, i);
     return push > 0.0 &&

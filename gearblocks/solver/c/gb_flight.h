@@ -13,6 +13,9 @@ enum { GB_STRUCK = 1, GB_STRUCK_TO_REST };
  * came its way. */
 double gb_restitution(gb_sim *sim, int i);
 
+/* Stop i is struck after a flight that, all of it, cannot be told from rest. */
+int gb_ends_for_nothing(gb_sim *sim, int i);
+
 /* An impact elsewhere has opened stop i, which was closed or has just been struck to rest: what presses it brings it
  * back before the flight could be told from rest. */
 int gb_opens_for_nothing(gb_sim *sim, int i);

@@ -142,7 +142,7 @@ static void end_together(gb_sim *sim) {
         if (sim->constraints.in[i] && gb_is_stop(sim, i) && slip < -rounding) {
             ends |= sim->constraints.bounds[5 * i + 2] > 0.0 && b[i] == slip;
             any = 1;
-            large |= slip < -TINY * rounding;
+            large |= slip < -TINY * rounding && !gb_ends_for_nothing(sim, i);
         }
     }
     for (int i = 0; i < sim->model->n_constraints && any; i++) {
@@ -212,13 +212,15 @@ static int any_opened_for_nothing(gb_sim *sim) {
     return any;
 }
 
-/* The round in which they close, beside what has been closed so in rounds before: impulses of either have no bound. */
+/* The round in which they close, beside what has been closed so in rounds before and the locks that still hold:
+ * impulses of all of these have no bound. */
 static void set_up_closing(gb_sim *sim) {
     double *b = sim->constraints.right, *lo = sim->constraints.lo, *hi = sim->constraints.hi;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const int closed = gb_is_stop(sim, i) && sim->constraints.in[i] && lo[i] <= -HUGE_VAL;
+        const int sticks = holds(sim, i) && fabs(sim->constraints.slip[i]) <= sim->constraints.slip_rounding[i];
         sim->constraints.in[i] = takes_impulse(sim, i, 1, &lo[i], &hi[i], &b[i]);
-        if (closed || is_opened_for_nothing(sim, i)) {
+        if (closed || sticks || is_opened_for_nothing(sim, i)) {
             sim->constraints.in[i] = 1;
             lo[i] = -HUGE_VAL;
             hi[i] = HUGE_VAL;

@@ -21,7 +21,7 @@ static const double NARROW =
 /* Counts flips in a row of swings that may be none; whether the shortest of them is long ago. */
 static int have_settled(gb_sim *sim, int i, double since) {
     double *shortest = sim->events.shortest + i, *at = sim->events.shortest_at + i, *swings = sim->events.swings + i;
-    *swings = since <= CLOSE * sim->head->control.h_largest ? *swings + 1.0 : 0.0;
+    *swings += 1.0;
     if (*swings <= 1.0 || since < *shortest) {
         *shortest = since;
         *at = *swings;
@@ -60,15 +60,21 @@ static int refuse_swings(gb_sim *sim, int i, int settled) {
 
 int gb_count_flip_or_slide(gb_sim *sim, int i) {
     const double before = sim->events.flips[i], since = sim->head->front.t1 - sim->events.flip_time[i];
-    const int code = gb_count_flip(sim, i), settled = have_settled(sim, i, since);
+    const int code = gb_count_flip(sim, i), far = since > CLOSE * sim->head->control.h_largest;
+    if (far && sim->events.flips[i] == 1.0) { /* as nearly all do */
+        sim->events.swings[i] = 0.0;
+        gb_come_to_rest(sim, i, since, 0);
+        return code;
+    }
+    const int settled = have_settled(sim, i, since);
     if (code != GB_DONE || (sim->events.flips[i] > 2.0 && gb_slide(sim, i))) {
         return code;
     }
     if (sim->events.flips[i] == 1.0 && since <= NO_STEP * sim->head->control.h_largest) {
         sim->events.flips[i] = gb_min(before + 1.0, IN_VAIN + 1.0);
     }
-    const int close = sim->events.flips[i] > 2.0 || since <= CLOSE * sim->head->control.h_largest;
-    if (gb_come_to_rest(sim, i, gb_max(since, DBL_MIN), settled) || (close && gb_hold(sim, i, since))) {
+    if (gb_come_to_rest(sim, i, gb_max(since, DBL_MIN), settled) ||
+        ((!far || sim->events.flips[i] > 2.0) && gb_hold(sim, i, since))) {
         return GB_DONE;
     }
     return refuse_swings(sim, i, settled);
