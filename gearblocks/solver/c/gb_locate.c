@@ -186,13 +186,10 @@ int gb_locate(gb_sim *sim, double *theta) {
     if (noisy > 0) { /* with those that were not watched */
         gb_mode_limits(sim);
     }
-    for (int i = 0; i < model->n_event_functions; i++) {
-        first = gb_min(first, sim->events.located[i]);
-    }
-    if (code == GB_DONE && first <= 1.0) {
+    if (code == GB_DONE) {
         first = look_again(sim);
     }
-    if (code == GB_DONE && first <= 1.0) {
+    if (first <= 1.0) {
         const double last = gb_min(first + tolerance, 1.0); /* steps may be shorter than time is told */
         for (int i = 0; i < model->n_event_functions; i++) {
             sim->events.pending[i] = sim->events.located[i] <= last ? sim->events.side[i] : 0.0;

@@ -1,5 +1,6 @@
 #include "gb_method_choice.h"
 #include "gb_evaluate.h"
+#include "gb_inline.h"
 #include "gb_memory.h"
 #include "gb_rosenbrock.h"
 #include "gb_sparse_ldu.h"
@@ -216,15 +217,12 @@ static int follows_slide(gb_sim *sim) {
     return slides;
 }
 
-int gb_choice_look(gb_sim *sim, double limit) {
+/* Whether the other kind of steps would be cheaper now: tries it, or goes back to it. */
+GB_OUT_OF_LINE int choose(gb_sim *sim, double limit) {
     gb_head *head = sim->head;
     const long long count = head->counts.steps + head->counts.rejected - head->choice.steps_look;
     const double span = head->front.t1 - head->choice.t_look, mean = span / (double)(count > 0 ? count : 1);
-    head->choice.large_step = 0;
-    if (head->choice.trial > 1 && --head->choice.trial == 1) {
-        decide(sim, head->control.h_next);
-    }
-    if (follows_slide(sim) || !head->choice.automatic || head->choice.trial > 0 || !(mean > 0.0)) {
+    if (!(mean > 0.0)) {
         return GB_DONE;
     }
     head->choice.early = is_held_back(sim);
@@ -273,4 +271,16 @@ int gb_choice_look(gb_sim *sim, double limit) {
         note(head);
     }
     return GB_DONE;
+}
+
+int gb_choice_look(gb_sim *sim, double limit) {
+    gb_head *head = sim->head;
+    head->choice.large_step = 0;
+    if (head->choice.trial > 1 && --head->choice.trial == 1) {
+        decide(sim, head->control.h_next);
+    }
+    if (follows_slide(sim) || !head->choice.automatic || head->choice.trial > 0) {
+        return GB_DONE;
+    }
+    return choose(sim, limit);
 }

@@ -126,8 +126,8 @@ class Impacts:
     def _refuse_doubtful_locks(
         self, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]], doubtful: list[int]
     ) -> None:
-        """A strike after so short a flight that a lock has slipped by next to nothing: with it at once, or the lock after it, which
-        has another end, nobody here can tell."""
+        """A strike after so short a flight that a lock has slipped by next to nothing: with it at once, or the lock after it
+        (which ends otherwise), nobody here can tell."""
         if doubtful:
             first = self._impulse(v, [o for k, o in enumerate(one) if k not in doubtful], both)[0]
             if np.abs(first - self._impulse(v, one, both)[0]).max() > 1e-7 * self.speed:
