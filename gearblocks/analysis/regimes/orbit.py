@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, scaled
+from gearblocks.analysis.regimes.small_multipliers import told_by_period
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Followed, Strobe, strobe
 from gearblocks.analysis.sections import Section
@@ -120,7 +121,10 @@ def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrb
     for divisor in range(1, periods):
         if periods % divisor == 0 and _misses(seen, y, run.states[divisor - 1], neutral) <= same:
             return shoot(seen, y, divisor, neutral)
-    multipliers = neutral.multipliers(scaled(seen, run.maps[-1]))
+    whole = scaled(seen, run.maps[-1])
+    multipliers = neutral.multipliers(whole)
+    if run.corner == "":
+        multipliers = told_by_period(seen, y, periods, neutral, whole, multipliers)
     names = tuple(q.name for q in seen.model.program.states)
     points = np.vstack([y, run.states[:-1]])
     states = tuple(seen.standing(point, k) for k, point in enumerate(points))

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
 import gearblocks as gb
 from gearblocks.analysis.regimes.strobe import strobe
 
+Oscillator = Callable[..., gb.Drivetrain]
 SECTION = gb.stroboscopic("drive")
 T = 2 * np.pi
 
@@ -28,6 +31,19 @@ def test_where_damping_is_linear_the_product_is_that_of_its_trace_whatever_corne
     assert events >= 8
     orbit = gb.periodic_orbit(rig, SECTION, transient=3000, periods=12)
     assert np.prod(orbit.multipliers).real == pytest.approx(np.exp(trace * orbit.periods * T), rel=1e-6)
+
+
+@pytest.mark.parametrize(("k", "c"), [(1.0, 3.0), (8.0, 4.4)])  # overdamped, and a pair
+def test_small_multipliers_of_two_periods_are_those_of_the_equation(oscillator: Oscillator, k: float, c: float) -> None:
+    rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + gb.cos(drive * gb.time / 2), k=k, c=c)
+    orbit = gb.periodic_orbit(rig, SECTION, periods=2, parameters={"drive": 2.0})
+    exponents = np.sort(np.roots([1.0, c, k]).real)[::-1]
+    assert orbit.periods == 2 and np.abs(orbit.multipliers).min() < 1e-5
+    assert orbit.exponents == pytest.approx(
+        exponents, abs=1e-9
+    )  # of 1e-7 with derivatives to 1e-10 six digits are lost
+    found = gb.lyapunov(rig, SECTION, periods=40, rtol=1e-11, parameters={"drive": 2.0})
+    assert found.values == pytest.approx(exponents, abs=1e-9)
 
 
 @pytest.mark.parametrize("restitution", [0.6, 0.8])

@@ -43,6 +43,8 @@ def _alike(one: Any, other: Any) -> bool:
         return np.array_equal(one, other, equal_nan=True)
     if hasattr(one, "__dataclass_fields__"):
         return all(_alike(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(_alike, one, other))
     return bool(one == other)
 
 
