@@ -6,7 +6,7 @@ Knows nothing of trajectories.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -128,6 +128,19 @@ def too_long(
         fastest.element,
         f"{cause} (its fastest mode {fastest.pace})",
         f"{remedy}; about {1 / fastest.rate:.1g} s would do",
+    )
+
+
+def remedy_beside_jumps(told: str, remedy: str, modes: Mapping[str, float]) -> str:
+    """What to do where a switch of `told` flips without progress, from the modes by name: where conditions of other elements
+    hold the motion on their limits (a mode half way between two), it is their jumps that need a width first."""
+    held = {name.partition(".switch ")[0]: None for name, mode in modes.items() if mode % 1.0 == 0.5}
+    if not held or told in held or remedy != _CAUSES[Code.ERR_CHATTER][1]:
+        return remedy
+    others = ", ".join(f"'{name}'" for name in held)
+    return (
+        f"the law of {others} jumps against the motion on both sides and holds it on its limit meanwhile: give that jump a "
+        "width first (a steep line)"
     )
 
 

@@ -36,7 +36,7 @@ from gearblocks.simulation.element_balance import Rerun, element_imbalances
 from gearblocks.simulation.energy import EnergyBalance
 from gearblocks.simulation.events import events_of
 from gearblocks.simulation.explaining import explained
-from gearblocks.simulation.failures import component_of, reason, too_long
+from gearblocks.simulation.failures import component_of, reason, remedy_beside_jumps, too_long
 from gearblocks.simulation.input_series import with_tables
 from gearblocks.simulation.measured_runs import run_again
 from gearblocks.simulation.plausibility import warn_of_parameters
@@ -347,6 +347,8 @@ class _Run:
         t, (name, cause, remedy) = report.t, reason(program, code, self.sim)
         if code == Code.ERR_UNSTABLE and run is not None:
             name, cause, remedy = too_long(self.sim, program, run.meta["step"], self.rows, (name, cause, remedy))
+        if code == Code.ERR_CHATTER and run is not None:
+            remedy = remedy_beside_jumps(name, remedy, {e.component: e.after for e in run.events})
         if code == Code.ERR_CALLBACK and self.sim.error is not None:
             raised = self.sim.error
             cause = f"the input function raised {type(raised).__name__}: {raised}"

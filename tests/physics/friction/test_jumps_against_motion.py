@@ -71,3 +71,22 @@ def test_a_car_on_slipping_tyres_creeps_as_its_rolling_speed_says(torque):
     run = gb.simulate(_car(torque, rolling_speed=1e-3), t_end=2.0)
     share = torque / 0.3 / (0.01 * 1000.0 * 9.80665)  # F = rolling m g v/sqrt(v^2 + rolling_speed^2)
     assert run["car.v"][-1] == pytest.approx(1e-3 * share / (1 - share**2) ** 0.5, rel=1e-4)
+
+
+def test_where_a_friction_finds_no_mode_beside_a_relay_at_rest_the_relay_is_named_and_its_width_helps():
+    """Relay, brake and bearing hold a body together; a load passes what both frictions hold of the relay's torque."""
+
+    def run(relay):
+        rig = gb.Drivetrain("three that hold")
+        a, b = rig.add("a", gb.Inertia(J=0.712, phi0=0.0, w0=0.0)), rig.add("b", gb.Inertia(J=1.06, w0=0.93))
+        rig.chain(a, rig.add("damper", gb.Damper(c=1.05)), b)
+        push = gb.Torque(tau=gb.piecewise((1.56, gb.sin(5.01 * gb.time) < 0.0), (0.0, True)))
+        holds = (rig.add("brake", gb.Brake(capacity=3.86)), rig.add("bearing", gb.BearingFriction(coulomb=0.0997)))
+        rig.connect(rig.add("relay", gb.Torque(tau=relay)).flange, a.a, *(x.a for x in holds))
+        rig.connect(rig.add("push", push).flange, b.b)
+        return gb.simulate(rig, t_end=5.0)
+
+    phi = gb.sense("a.phi")
+    with pytest.raises(gb.SimulationError, match="the law of 'relay' jumps against the motion on both sides"):
+        run(gb.piecewise((4.66, phi < 0), (-4.66, True)))
+    assert abs(run(gb.Table([-1e-4, 1e-4], [4.66, -4.66])(phi))["a.phi"][-1]) < 1e-4
