@@ -130,27 +130,23 @@ static int holds(const gb_sim *sim, int i) {
     return sim->model->constraints[i].kind == GB_FRICTION && !gb_is_unbounded(sim, i) && gb_is_active(sim, i);
 }
 
-/* What takes part where flights on a stop end as the slip of a lock does: each would throw the other off by a part of
- * what is left, in a cascade of both that nothing is seen of. They come to rest as one. So do locks that hold where
- * what is left of the flight is rounding: they would give back the speed that the stop takes, at one instant for ever.
- */
-static void end_together(gb_sim *sim) {
-    double *b = sim->constraints.right;
-    int ends = 0, any = 0, large = 0;
+/* Locks that hold take part where what is left of the flights is rounding: they would give back the speed that the stop
+ * takes, at one instant for ever, or their slip would open another stop. */
+static void hold_at_the_end(gb_sim *sim) {
+    int any = 0, large = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
         const double slip = sim->constraints.slip[i], rounding = sim->constraints.slip_rounding[i];
         if (sim->constraints.in[i] && gb_is_stop(sim, i) && slip < -rounding) {
-            ends |= sim->constraints.bounds[5 * i + 2] > 0.0 && b[i] == slip;
             any = 1;
             large |= slip < -TINY * rounding && !gb_ends_for_nothing(sim, i);
         }
     }
-    for (int i = 0; i < sim->model->n_constraints && any; i++) {
-        if (!sim->constraints.in[i] && ((ends && ends_slip(sim, i)) || (!large && holds(sim, i)))) {
+    for (int i = 0; i < sim->model->n_constraints && any && !large; i++) {
+        if (!sim->constraints.in[i] && holds(sim, i)) {
             sim->constraints.in[i] = 1;
             sim->constraints.lo[i] = -HUGE_VAL;
             sim->constraints.hi[i] = HUGE_VAL;
-            b[i] = sim->constraints.slip[i];
+            sim->constraints.right[i] = sim->constraints.slip[i];
         }
     }
 }
@@ -179,7 +175,7 @@ static int find_hit(gb_sim *sim, int round, int *left) {
         leave_out(sim, left);
     }
     if (hit >= 0) {
-        end_together(sim);
+        hold_at_the_end(sim);
     }
     return hit;
 }
