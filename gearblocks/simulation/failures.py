@@ -39,7 +39,8 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         if p.path.endswith((".J", ".m")) and v == 0
     ]
     of_rates = code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START)
-    if of_rates and (program.algebraic_slips or not massless) and (flange := _free_flange(program, sim)):
+    untold = of_rates or code in _AT_INFINITY
+    if untold and (program.algebraic_slips or not massless) and (flange := _free_flange(program, sim)):
         element, _, side = flange.rpartition(".")
         return element, f"nothing tells how fast its side {side} turns, a shaft without inertia", _FREE
     if of_rates and massless:

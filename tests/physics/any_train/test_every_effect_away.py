@@ -37,6 +37,9 @@ NAMED = re.compile(
     r"|prescribes a motion between shafts that are tied rigidly|alpha0 = .*, but its acceleration at the start is"
 )
 
+# what lost the damping that told the speed of a shaft without inertia between two gaps
+UNTOLD = re.compile(r"nothing tells how fast its side . turns, a shaft without inertia")
+
 
 def _sets(rig, random, most):
     """Single effects, those of each element, random sets, all."""
@@ -65,8 +68,13 @@ def _leave_out(rig, random, most=10**6, t_end=2e-3, **given):
                 continue
             raise
         inputs = {k: x for k, x in given.get("inputs", {}).items() if k in model.program.input_numbers}
-        start = gb.carried_start(full, model, initial=given.get("initial"), inputs=inputs)
-        run = gb.simulate(model, t_end=t_end, initial=start, inputs=inputs)
+        try:
+            start = gb.carried_start(full, model, initial=given.get("initial"), inputs=inputs)
+            run = gb.simulate(model, t_end=t_end, initial=start, inputs=inputs)
+        except gb.SimulationError as error:
+            if UNTOLD.search(str(error)):
+                continue
+            raise
         assert run.complete, gone
         states = " ".join(x.name for x in model.program.states) + " ".join(x.path for x in model.program.parameters)
         for name in lean.dropped:

@@ -49,6 +49,14 @@ def test_where_nothing_tells_how_fast_it_turns_the_run_stops_by_name_with_what_h
         gb.simulate(between_gaps(kind, None), t=T)
 
 
+def test_where_a_lossy_gear_elsewhere_has_no_motion_either_the_shaft_is_named():
+    rig = between_gaps("an ideal gear", None)
+    rig.connect(rig.add("wheel", gb.LossyGear(ratio=4.0, efficiency=(0.8, 0.6))).b, rig["one"].b)
+    rig.connect(rig["wheel"].a, rig.add("third", gb.Inertia(J=0.1, w0=8.0)).a)
+    with pytest.raises(gb.SimulationError, match=r"'(first|second)': nothing tells how fast its side . turns"):
+        gb.simulate(rig, t=T)
+
+
 @pytest.mark.parametrize("kind", BETWEEN)
 @pytest.mark.few(2)
 def test_with_a_little_drag_it_is_the_limit_of_vanishing_inertias(kind: str) -> None:
