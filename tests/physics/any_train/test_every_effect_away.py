@@ -34,7 +34,7 @@ SHIPPED = {
 # said of the train, with the names of its parts
 NAMED = re.compile(
     r"ties of '.*' contradict|prescribes the motion of a shaft that '.*' holds|cannot be fed back"
-    r"|prescribes a motion between shafts that are tied rigidly|alpha0 = .*, but its acceleration at the start is"
+    r"|prescribes a motion between shafts that are tied rigidly|a(lpha)?0 = .*, but its acceleration at the start is"
 )
 
 # what lost the damping that told the speed of a shaft without inertia between two gaps
