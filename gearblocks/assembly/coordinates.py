@@ -31,6 +31,7 @@ class Coordinates:
     ) -> None:
         self.given = given or {}
         self._first, self._last = first, last
+        self._has_ranks = bool(first) or bool(last)
         self.rows: list[Row] = []
         self._forms: list[Combination] = []
         self._elimination = Elimination(_ROUNDING)
@@ -44,7 +45,9 @@ class Coordinates:
     def take(self, form: Combination) -> int | Combination:
         """The number of a new coordinate, or what the form is a combination of."""
         left = self._elimination.left(form.groups)
-        free = left.keys() - self.given.keys() - self._upstream([g for g in left if g in self.given])
+        free: Collection[int] = left
+        if self.given:
+            free = left.keys() - self.given.keys() - self._upstream([g for g in left if g in self.given])
         if not free:
             whole = self._elimination.reduced(form)
             whole.groups = {g: c for g, c in whole.groups.items() if g in left}
@@ -55,7 +58,7 @@ class Coordinates:
             behind = self._upstream(self._prescribed_behind(form))
             raw = [g for g in raw if g not in behind]
         pivot = raw[-1] if raw else next(g for g in left if g in free)
-        for g in (*reversed(raw), *(g for g in left if g in free)):
+        for g in (*reversed(raw), *(g for g in left if g in free)) if self._has_ranks else ():
             pivot = g if self._rank(g) < self._rank(pivot) else pivot
         base = form if pivot in raw else self._elimination.reduced(form)
         number = len(self.rows)

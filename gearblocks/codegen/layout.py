@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, TypeAlias
 
 from gearblocks.assembly.assemble import GROUND_GROUP
@@ -163,6 +164,12 @@ def _add(lay: Layout, path: str, spec: Field, *, tunable: bool, start: str = "",
     return len(lay.parameters) - 1
 
 
+@cache
+def _start_field(words: str, unit: str) -> Field:
+    """A start value as a field: one for all blocks that have it."""
+    return Field(words, unit, "param")
+
+
 def _start_values(lay: Layout) -> None:
     """Start angle and speed of every group, start of every state of a block."""
     blocks = {c.path: c.block for c in lay.assembly.train.components}
@@ -179,8 +186,8 @@ def _start_values(lay: Layout) -> None:
                 target.append(lay.shared[given.name])
             else:
                 name = f"{path}.{start_name(blocks.get(path), of, slides)}"
-                spec = Field(words_along(words, slides), unit_along(unit, slides), "param")
                 if name not in known:  # both sides of a lossy gear may start as one body says
+                    spec = _start_field(words_along(words, slides), unit_along(unit, slides))
                     known[name] = _add(lay, name, spec, tunable=False, start=of)
                 target.append(known[name])
     for b, batch in enumerate(lay.assembly.batches):
@@ -189,7 +196,7 @@ def _start_values(lay: Layout) -> None:
             for index in batch.components:
                 c = lay.assembly.train.components[index]
                 unit = "1" if "." in state else unit_along(type(c.block).states[state].unit, c.slides)
-                _add(lay, f"{c.path}.{state}", Field("start value", unit, "param"), tunable=False, start="state")
+                _add(lay, f"{c.path}.{state}", _start_field("start value", unit), tunable=False, start="state")
 
 
 def speed_index(lay: Layout, batch: Batch, flange: str) -> list[int]:

@@ -56,7 +56,7 @@ def reads_temperature(value: Any) -> bool:
 def heat_port(block: Declared) -> tuple[str, HeatPort] | None:
     """Name and heat port of a block, or None where it has none."""
     for name, value in block.__dict__.items():
-        if isinstance(value, HeatPort):
+        if type(value) is not float and isinstance(value, HeatPort):
             return name, value
     return None
 

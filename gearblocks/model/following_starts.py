@@ -19,7 +19,7 @@ from gearblocks.model.start_values import contradictions, fit_lossy, fit_prescri
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array
 from gearblocks.train.graph import Component, Train
-from gearblocks.train.values import leaves_of, numbers_of
+from gearblocks.train.values import is_plain, leaves_of, numbers_of
 
 
 def with_starts(model: Model, train: Train) -> Model:
@@ -33,6 +33,8 @@ def with_starts(model: Model, train: Train) -> Model:
 
 def _leaves(block: Block) -> Iterator[tuple[str, Parameter]]:
     """Field and Parameter of every start value of a block that is not a number."""
+    if is_plain(block):
+        return
     for name, value, spec in numbers_of(block, ""):
         if spec.start is not None and isinstance(value, Parameter):
             yield name, value

@@ -32,13 +32,15 @@ class DisjointSets(Generic[_T]):
 
     def find(self, element: _T) -> tuple[_T, Gain]:
         """(root, gain) of an element."""
-        path = []
-        root = element
+        root = self._above.get(element)
+        if root is None:
+            return element, 1
+        path = [element]
         while (above := self._above.get(root)) is not None:
             path.append(root)
             root = above
         if len(path) < 2:
-            return root, self._gains[element] if path else 1
+            return root, self._gains[element]
         gain = self._gains[path[-1]]
         for below in path[-2::-1]:
             gain = gain * self._gains[below]

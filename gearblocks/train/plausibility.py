@@ -5,7 +5,6 @@ Knows nothing of bounds, which refuse.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
 from numbers import Real
 
@@ -20,8 +19,8 @@ from gearblocks.train.values import numbers_of
 def unusual(path: str, block: Block, *, bare: bool = False) -> Iterator[str]:
     """Numbers above what their field expects; bare: of those that are given without a unit alone."""
     for name, value, spec in numbers_of(block, f"{path}."):
-        number = abs(constant_value(value)) if spec.usual is not None else math.nan
-        if is_bare(value) or not bare:
+        if spec.usual is not None and (is_bare(value) or not bare):
+            number = abs(constant_value(value))
             yield from _doubt(name, number, spec, f'{name.rpartition(".")[2]}="{number:g} mm"')
 
 

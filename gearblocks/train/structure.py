@@ -32,6 +32,8 @@ def structure_of(value: Any, *, exact: bool = False) -> Any:
 def _structure(value: Any, field: Field, exact: bool) -> Any:
     if value is None:
         return None
+    if type(value) is float and field.role in ("param", "signal"):
+        return "zero" if exact and value == 0 and field.ge == 0 else "number"
     if isinstance(value, tuple):
         return tuple(_structure(v, field, exact) for v in value)
     if field.role == "exact":

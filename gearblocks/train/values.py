@@ -28,7 +28,10 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
     store = owner.__dict__
     for name, field in type(owner).fields.items():
         value = store[name]
-        if isinstance(value, Declared):
+        if type(value) is float:
+            if field.role not in ("option", "effect"):
+                yield prefix + name, value, field
+        elif isinstance(value, Declared):
             inner = numbers_of(value, f"{prefix}{name}.")
             yield from ((path, v, field.along(f)) for path, v, f in inner) if field.turns else inner
         elif value is None or field.role == "option":
@@ -40,9 +43,14 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
             yield prefix + name, value, field
 
 
+def is_plain(block: Any) -> bool:
+    """Whether all that a block holds is numbers, words and choices: no signal, no Parameter, no effect."""
+    return _PLAIN.issuperset(map(type, block.__dict__.values()))
+
+
 def leaves_of(block: Any) -> Iterator[Parameter | Input]:
     """Every Parameter and Input that a block or its effects refer to."""
-    if _PLAIN.issuperset(map(type, block.__dict__.values())):
+    if is_plain(block):
         return
     for _, value, _ in numbers_of(block, ""):
         if isinstance(value, (Parameter, Input)):
@@ -67,7 +75,7 @@ def value_problems(path: str, block: Block) -> Iterator[str]:
 
 def _temperature_problems(block: Block) -> Iterator[str]:
     """Signals that contain gb.temperature of a block without a heat port."""
-    if heat_port(block) is None:
+    if not is_plain(block) and heat_port(block) is None:
         for name, value, _ in numbers_of(block, ""):
             if reads_temperature(value):
                 yield f"{name} = '{expression_text(value)}' contains gb.temperature: give the block heat=gb.HeatPort(T=...)"
@@ -112,7 +120,7 @@ def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
 
 def unit_problems(path: str, block: Block, slides: bool) -> Iterator[str]:
     """Values that were given in a unit of something else than what their field is, on a shaft or on a slider."""
-    if _PLAIN.issuperset(map(type, block.__dict__.values())):
+    if is_plain(block):
         return
     for name, value, field in numbers_of(block, ""):
         unit = value.unit if isinstance(value, (Given, Parameter, Input)) else "1"
