@@ -1,6 +1,7 @@
 #include "gb_give_up.h"
 #include "gb_error_control.h"
 #include "gb_growth.h"
+#include "gb_jump.h"
 #include "gb_modes.h"
 #include "gb_report.h"
 
@@ -20,6 +21,9 @@ static int name_taint(gb_sim *sim) {
 int gb_give_up(gb_sim *sim, int code, int finite, double h) {
     if (code != GB_DONE) {
         return code;
+    }
+    if (finite && gb_passes_corner(sim)) {
+        return GB_DONE;
     }
     const int chatters = finite ? gb_flipped_just_now(sim) : -1;
     if (chatters >= 0) {

@@ -1,6 +1,9 @@
 #include "gb_inputs.h"
 #include "gb_report.h"
 
+/* Of what a callback changes by between two samples: what is left of it between nearer ones, where it jumps. */
+static const double LEFT = 0.5;
+
 /* Number of whole periods before t, and the time within its period. */
 static double periods(const gb_source *s, double t) {
     return s->period > 0.0 ? floor((t - s->x[0]) / s->period) : 0.0;
@@ -57,14 +60,47 @@ static double table_value(const gb_source *s, double cell, double t) {
     return value;
 }
 
+/* The value of callback i, whose piece goes on beyond the instant at which it is known to jump. */
+static int callback_value(gb_sim *sim, int i, double t, double *value) {
+    const gb_source *s = &sim->inputs.source[i];
+    const double end = sim->inputs.cell_end[i];
+    *value = 0.0;
+    return s->fn(s->user, i, t < end ? t : nextafter(end, -HUGE_VAL), value) == 0
+               ? GB_DONE
+               : gb_fail(sim, GB_ERR_CALLBACK, i, t, *value);
+}
+
+static int moving_value(gb_sim *sim, int i, double t, double *value) {
+    const gb_source *s = &sim->inputs.source[i];
+    const int code = s->kind == GB_CALLBACK ? callback_value(sim, i, t, value) : GB_DONE;
+    if (code != GB_DONE) {
+        return code;
+    }
+    *value = s->kind == GB_CALLBACK ? *value : table_value(s, sim->inputs.cell[i], t);
+    return *value - *value == 0.0 ? GB_DONE : gb_fail(sim, GB_ERR_NAN_INPUT, i, t, *value);
+}
+
+/* Begins the piece of callback i behind its jump. What fails there is said by the next step. */
+static void leave_jump(gb_sim *sim, int i, double t) {
+    double before, after;
+    int code = callback_value(sim, i, t, &before);
+    sim->inputs.cell_end[i] = HUGE_VAL;
+    code = code == GB_DONE ? callback_value(sim, i, t, &after) : code;
+    if (code == GB_DONE) {
+        gb_log(sim, sim->model->n_switches + i, 1, before, after);
+    }
+}
+
 void gb_input_find(gb_sim *sim, double t, int log) {
     for (int m = 0; m < sim->inputs.n_moving; m++) {
         const int i = sim->inputs.moving[m];
         const gb_source *s = &sim->inputs.source[i];
-        if (s->kind == GB_CALLBACK) {
+        if (s->kind == GB_CALLBACK && !log) {
             sim->inputs.cell[i] = 0.0;
             sim->inputs.cell_end[i] = HUGE_VAL;
-        } else if (!log || sim->inputs.cell_end[i] <= t) {
+        } else if (s->kind == GB_CALLBACK && sim->inputs.cell_end[i] <= t) {
+            leave_jump(sim, i, t);
+        } else if (s->kind != GB_CALLBACK && (!log || sim->inputs.cell_end[i] <= t)) {
             const double before = log ? table_value(s, sim->inputs.cell[i], t) : 0.0;
             sim->inputs.cell[i] = cell_of(s, t);
             sim->inputs.cell_end[i] = end_of_cell(s, sim->inputs.cell[i]);
@@ -75,15 +111,68 @@ void gb_input_find(gb_sim *sim, double t, int log) {
     }
 }
 
-static int moving_value(gb_sim *sim, int i, double t, double *value) {
-    const gb_source *s = &sim->inputs.source[i];
-    *value = 0.0;
-    if (s->kind != GB_CALLBACK) {
-        *value = table_value(s, sim->inputs.cell[i], t);
-    } else if (s->fn(s->user, i, t, value) != 0) {
-        return gb_fail(sim, GB_ERR_CALLBACK, i, t, *value);
+/* The two neighbours in time among the lanes between which input i changes most: the lane of the earlier one, and that
+ * of the later one; by how much, and the largest value. */
+static double most_change(const double *t, const double *u, int lanes, int *from, int *to, double *largest) {
+    double most = 0.0;
+    *largest = 0.0;
+    for (int l = 0; l < lanes; l++) {
+        int next = -1;
+        for (int k = 0; k < lanes; k++) {
+            next = t[k] > t[l] && (next < 0 || t[k] < t[next]) ? k : next;
+        }
+        if (next >= 0 && fabs(u[next] - u[l]) > most) {
+            most = fabs(u[next] - u[l]);
+            *from = l;
+            *to = next;
+        }
+        *largest = fabs(u[l]) > *largest ? fabs(u[l]) : *largest;
     }
-    return *value - *value == 0.0 ? GB_DONE : gb_fail(sim, GB_ERR_NAN_INPUT, i, t, *value);
+    return most;
+}
+
+/* Halves (from, to] down to neighbouring times, always where callback i changes more, and keeps the second of them as
+ * the end of its piece where most of the change is left: 1. What is steep alone changes by a part of it there. */
+static int find_jump(gb_sim *sim, int i, double limit, double from, double to, double before, double after) {
+    const double whole = fabs(after - before);
+    double value, middle = 0.5 * (from + to);
+    while (from < middle && middle < to && fabs(after - before) >= LEFT * whole) {
+        const int code = moving_value(sim, i, middle, &value);
+        if (code != GB_DONE) {
+            return code;
+        }
+        const int left = fabs(value - before) > fabs(value - after);
+        *(left ? &to : &from) = middle;
+        *(left ? &after : &before) = value;
+        middle = 0.5 * (from + to);
+    }
+    double earlier = before, later = after; /* a value of one time alone is no jump; asked is up to the limit */
+    int code = from > sim->head->front.t1 ? moving_value(sim, i, nextafter(from, -HUGE_VAL), &earlier) : GB_DONE;
+    if (code == GB_DONE && to < limit) {
+        code = moving_value(sim, i, nextafter(to, HUGE_VAL), &later);
+    }
+    if (code != GB_DONE || fabs(after - before) < LEFT * whole || fabs(later - earlier) < LEFT * whole) {
+        return code;
+    }
+    sim->inputs.cell_end[i] = to;
+    return 1;
+}
+
+int gb_callback_jumps(gb_sim *sim, double limit) {
+    const double *t = sim->lanes.t;
+    int found = 0;
+    for (int m = 0; m < sim->inputs.n_moving && found >= 0; m++) {
+        const int i = sim->inputs.moving[m];
+        const double *u = sim->lanes.u + (size_t)i * GB_LANES;
+        int from = 0, to = 0;
+        double largest;
+        if (sim->inputs.source[i].kind == GB_CALLBACK &&
+            most_change(t, u, sim->method->stages + 1, &from, &to, &largest) > sim->head->options.rtol * largest) {
+            const int jumps = find_jump(sim, i, limit, t[from], t[to], u[from], u[to]);
+            found = jumps != 0 ? jumps : found;
+        }
+    }
+    return found;
 }
 
 int gb_input_lanes(gb_sim *sim, int lanes, const double *t, double *u) {
@@ -123,10 +212,11 @@ void gb_input_broadcast(gb_sim *sim) {
 }
 
 static void list_moving(gb_sim *sim) {
-    sim->inputs.n_moving = 0;
+    sim->inputs.n_moving = sim->inputs.n_callbacks = 0;
     for (int i = 0; i < sim->model->n_inputs; i++) {
         if (sim->inputs.source[i].kind != GB_CONSTANT) {
             sim->inputs.moving[sim->inputs.n_moving++] = i;
+            sim->inputs.n_callbacks += sim->inputs.source[i].kind == GB_CALLBACK;
         }
     }
     sim->head->changed = 1;

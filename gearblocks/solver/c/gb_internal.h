@@ -196,9 +196,9 @@ typedef struct gb_head {
 /* Inputs. In the block: value, cell, cell_end. */
 struct gb_input_memory {
     double *value;
-    double *cell, *cell_end; /* the segment of its table and where it ends */
+    double *cell, *cell_end; /* the segment of its table and where it ends; of a callback: where it jumps */
     gb_source *source;
-    int *moving, n_moving; /* inputs that are no constants */
+    int *moving, n_moving, n_callbacks; /* inputs that are no constants; how many of these are callbacks */
 };
 
 /* Error weights, by state; in the block. */

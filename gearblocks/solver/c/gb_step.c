@@ -11,6 +11,7 @@
 #include "gb_features.h"
 #include "gb_give_up.h"
 #include "gb_growth.h"
+#include "gb_jump.h"
 #include "gb_ledger.h"
 #include "gb_locate.h"
 #include "gb_massless_error.h"
@@ -28,6 +29,10 @@
 
 /* Another try with a shorter step; a rate inside the step is not finite. */
 enum { AGAIN = 100, NOT_FINITE };
+
+/* A size that reaches so nearly to an announced instant is stretched to it; a shorter one after a try is shorter still.
+ */
+static const double NEARLY = 1.01, SHORTER = 0.98;
 
 static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
@@ -49,7 +54,7 @@ static double end_of_step(const gb_sim *sim, double h, double limit) {
         const double grid = head->front.t_start + count * step;
         return limit - grid < 1e-9 * step ? limit : grid;
     }
-    if (t + 1.01 * h >= limit) {
+    if (t + NEARLY * h >= limit) {
         return limit;
     }
     return t + 2.0 * h > limit ? t + 0.5 * (limit - t) : t + h;
@@ -128,18 +133,6 @@ static int accept(gb_sim *sim, double end) {
         head->events.armed = 0;
     }
     return count_step(sim, from, end);
-}
-
-/* A step too short to be told from rounding: the front jumps to the announced instant. */
-static int jump(gb_sim *sim, double limit) {
-    sim->head->front.t0 = sim->head->front.t1;
-    sim->head->front.h = 0.0;
-    sim->head->front.t1 = limit;
-    sim->head->ledger.turnover_segment = 0.0;
-    if (limit >= sim->head->events.t_break) {
-        gb_mark_time_events(sim);
-    }
-    return GB_DONE;
 }
 
 /* What the estimates of the states, of which `error` is the largest, do not see: the largest of all, likewise. */
@@ -277,7 +270,7 @@ static double part_kept(gb_sim *sim, double error, double size) {
     if (part < 1.0) {
         gb_account_refused(sim, GB_BY_FEATURE);
     }
-    return part;
+    return part < 1.0 ? gb_min(part, SHORTER) : 1.0;
 }
 
 /* What size and method the step begins with. */
@@ -292,12 +285,12 @@ int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
     const int fixed = head->options.step > 0.0;
     int rejected = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
-    const double limit = gb_min(gb_min(head->events.t_break, stop), head->events.held_until);
+    double limit = gb_limit_of_step(sim, stop);
     gb_copy(sim->y0, sim->y, sim->model->n_total);
     head->front.have_dense = head->front.have_quadratures = sim->events.again = 0;
     head->front.h = 0.0;
-    if (code == GB_DONE && limit - head->front.t1 <= 4.0 * DBL_EPSILON * fabs(head->front.t1)) {
-        return jump(sim, limit);
+    if (code == GB_DONE && gb_is_at(sim, limit)) {
+        return gb_jump(sim, limit);
     }
     code = code == GB_DONE ? prepare(sim, limit) : code;
     double h = wanted_step(sim);
@@ -310,6 +303,9 @@ int gb_step(gb_sim *sim, double stop) {
         code = try_step(sim, end);
         if (code != GB_DONE && code != GB_ERR_SINGULAR) {
             break;
+        }
+        if (code == GB_DONE && sim->inputs.n_callbacks > 0 && gb_ends_at_jump(sim, stop, &limit, &code)) {
+            continue;
         }
         double error = code == GB_DONE ? judge(sim, size) : NAN;
         const double part = part_kept(sim, error, size);
@@ -338,7 +334,7 @@ int gb_step(gb_sim *sim, double stop) {
         gb_forget_trial(sim, error);
         h = fixed ? 0.0 : gb_choice_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
-            code = gb_give_up(sim, code, error > 0.0, h);
+            return gb_give_up(sim, code, error > 0.0, h);
         } else {
             code = sim->head->report.code = GB_DONE;
         }
