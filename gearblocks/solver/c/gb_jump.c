@@ -2,17 +2,8 @@
 #include "gb_inputs.h"
 #include "gb_modes.h"
 #include "gb_rest.h"
-#include "gb_vector.h"
 
 static const double PASSED = 256.0; /* roundings of time */
-
-double gb_limit_of_step(const gb_sim *sim, double stop) {
-    return gb_min(gb_min(sim->head->events.t_break, stop), sim->head->events.held_until);
-}
-
-int gb_is_at(const gb_sim *sim, double limit) {
-    return limit - sim->head->front.t1 <= 4.0 * DBL_EPSILON * fabs(sim->head->front.t1);
-}
 
 int gb_jump(gb_sim *sim, double t) {
     sim->head->front.t0 = sim->head->front.t1;

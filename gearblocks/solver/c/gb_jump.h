@@ -4,12 +4,17 @@
 #define GB_JUMP_H
 
 #include "gb_internal.h"
+#include "gb_vector.h"
 
 /* The first instant that no step passes. */
-double gb_limit_of_step(const gb_sim *sim, double stop);
+static inline double gb_limit_of_step(const gb_sim *sim, double stop) {
+    return gb_min(gb_min(sim->head->events.t_break, stop), sim->head->events.held_until);
+}
 
 /* The front is there but for rounding. */
-int gb_is_at(const gb_sim *sim, double limit);
+static inline int gb_is_at(const gb_sim *sim, double limit) {
+    return limit - sim->head->front.t1 <= 4.0 * DBL_EPSILON * fabs(sim->head->front.t1);
+}
 
 /* To an instant that was announced. */
 int gb_jump(gb_sim *sim, double t);
