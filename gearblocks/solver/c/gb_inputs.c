@@ -146,12 +146,15 @@ static int find_jump(gb_sim *sim, int i, double limit, double from, double to, d
         *(left ? &after : &before) = value;
         middle = 0.5 * (from + to);
     }
+    if (fabs(after - before) < LEFT * whole) {
+        return 0;
+    }
     double earlier = before, later = after; /* a value of one time alone is no jump; asked is up to the limit */
     int code = from > sim->head->front.t1 ? moving_value(sim, i, nextafter(from, -HUGE_VAL), &earlier) : GB_DONE;
     if (code == GB_DONE && to < limit) {
         code = moving_value(sim, i, nextafter(to, HUGE_VAL), &later);
     }
-    if (code != GB_DONE || fabs(after - before) < LEFT * whole || fabs(later - earlier) < LEFT * whole) {
+    if (code != GB_DONE || fabs(later - earlier) < LEFT * whole) {
         return code;
     }
     sim->inputs.cell_end[i] = to;
