@@ -18,7 +18,7 @@ from fmu_export.fmi2.description import Header, describe
 from fmu_export.from_scene import started_as_in, with_inputs
 from fmu_export.manifest import Manifest
 from fmu_export.options import Experiment, SolverOptions, solver_options
-from fmu_export.start import rolled_values, start_vector
+from fmu_export.start import say_when, started
 from fmu_export.tables import TOKEN_DIGITS, render_table, token_of
 from fmu_export.templates import render
 from fmu_export.variables import Variable, variables_of
@@ -27,7 +27,7 @@ from gearblocks.drawing.drawing import Drawing, shown_drawing
 from gearblocks.errors import ParameterError, by_name_only, warn
 from gearblocks.language.units import seconds
 from gearblocks.model.following_starts import numbers_of_their_own
-from gearblocks.simulation.arguments import duration, parameter_vector
+from gearblocks.simulation.arguments import duration
 from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.solver.library import Model
 
@@ -52,8 +52,11 @@ def export(
     its path.
 
     outputs: pattern or patterns of the outputs to show. method, rtol, step, max_step, locate: as in simulate().
-    parameters: start values by path, instead of the train's. initial: start values by name, as in simulate(), or an
-    earlier run or a state vector; with these the start values of the states take the place of start parameters.
+    parameters: start values by path, instead of the train's or the run's. initial: as in simulate(): start values by name,
+    "rolling", "static" (the inputs at their start values), or an earlier run or point of an orbit, from whose end the FMU
+    starts with the parameters of that run (its inputs come from outside, its time is the start time that the importer
+    gives); or a state vector. With an equilibrium, a run or a vector the start values of the states take the place of
+    start parameters.
     t_end, communication_step: default experiment [s] (t_end: that of the scene, else 1 s). patience: processor time [s]
     after which a step that is asked of the FMU ends on its way with fmi2Discard, to be asked for again or gone on from;
     0: after a few internal steps; None: however long it takes. Times may be text with a unit, such as "20 ms".
@@ -71,12 +74,10 @@ def export(
         train, parameters, initial, t_end, held = started_as_in(train, parameters, initial, t_end)
     model = build(train)
     program = with_inputs(model.program, held)
-    by_name = initial if isinstance(initial, Mapping) else None
-    values = parameter_vector(model, parameters or {}, by_name)
+    values, start = started(model, program, parameters or {}, initial)
     warn_of_parameters(model, parameters)
-    values = rolled_values(model, program, values, initial)
     _say_what_does_not_follow(model)
-    start = start_vector(program, initial)
+    say_when(model, values, start, initial)
     solver = solver_options(method, rtol, step, max_step, locate)
     patience = None if patience is None else seconds("patience", patience)
     if patience is not None and not patience >= 0:
