@@ -137,11 +137,20 @@ def test_nothing_is_loaded_where_a_check_before_it_fails(given: Foreign, failed:
 
 @pytest.mark.long
 def test_loading_a_library_is_left_to_another_process_and_to_the_last(tmp_path: Path) -> None:
-    """The library writes a file when it is loaded: not where the description fails, and not by this process."""
+    """The library writes a file when it is loaded: not where the description or fmpy's validation alone fails, and not by
+    this process."""
     trace = tmp_path / "loaded"
     sound = Foreign(("-DSTRICT", f'-DLOADS="{trace}"'))
     bad = Foreign(sound.defines, start=(2.0, float("nan")))
     assert not fmu_export.check(bad.write(tmp_path / "bad.fmu", tmp_path / "build")).ok
+    assert not trace.exists()
+
+    def one_output_less(name: str, data: bytes) -> bytes:
+        return data.replace(b'<Unknown index="2"/>', b"") if name.endswith(".xml") else data
+
+    whole = sound.write(tmp_path / "whole.fmu", tmp_path / "build")
+    report = fmu_export.check(changed(whole, tmp_path / "less.fmu", one_output_less))
+    assert [item.name for item in report.items if item.ok is False] == ["fmpy validation"], str(report)
     assert not trace.exists()
     assert fmu_export.check(sound.write(tmp_path / "sound.fmu", tmp_path / "build")).ok
     assert trace.exists()

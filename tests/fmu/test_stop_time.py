@@ -149,6 +149,8 @@ def test_a_stop_time_changes_nothing_but_the_last_digits(name: str, tmp_path: Pa
     peak = np.abs(many[0]).max(axis=0)
     assert (np.abs(many[0] - many[1]) <= 1e-5 * peak).all()
     assert (np.abs(rows(None, 1)[0] - many[0][-1]) <= 1e-5 * peak).all()
+    fine = gb.simulate(model, t=np.linspace(0.0, end, 201)[1:], rtol=1e-9, outputs=list(names))
+    assert (np.abs(many[0] - np.column_stack([fine[name] for name in names])) <= 1e-5 * peak).all()
 
 
 # -- long steps ------------------------------------------------------------------------------------------------------

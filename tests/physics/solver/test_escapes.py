@@ -213,15 +213,27 @@ def test_an_input_function_that_ends_the_program_later_ends_it_then(end, sampled
         gb.simulate(rig, inputs={"u": source}, **how)
 
 
+_IN_A_GAP = {
+    "lash": lambda **more: gb.Lash(half_gap=0.02, k=1e3, c=2.0, **more),
+    "spline": lambda **more: gb.SplineCoupling(
+        teeth=20, radius=0.5, k=4e3, c=8.0, backlash=gb.Backlash(half_gap=0.01), **more
+    ),
+    "mesh": lambda **more: gb.GearMesh(
+        teeth=(20, 30), external=True, r_base=(0.5, 0.75), k=4e3, c=8.0, backlash=gb.Backlash(half_gap=0.01), **more
+    ),
+}
+
+
 @pytest.mark.long
-def test_a_shaft_without_inertia_that_one_mode_leaves_undamped_says_what_damps_it():
-    def rig(**lash):
+@pytest.mark.parametrize("name", _IN_A_GAP)
+def test_a_shaft_without_inertia_that_one_mode_leaves_undamped_says_what_damps_it(name):
+    def rig(**more):
         return _chain(
             ("drive", gb.Torque(tau=3 * gb.sin(5 * gb.time))),
             ("a", gb.Inertia(J=1.0)),
             ("s", gb.Shaft(k=100.0)),
             ("node", gb.Inertia(J=0.0)),
-            ("lash", gb.Lash(half_gap=0.02, k=1e3, c=2.0, **lash)),
+            ("teeth", _IN_A_GAP[name](**more)),
             ("b", gb.Inertia(J=1.0)),
         )
 

@@ -60,6 +60,37 @@ def test_a_soft_start_goes_through_a_shaft(power):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("power", [1, 3])
+def test_a_soft_start_goes_through_a_gear_whose_housing_is_on_a_spring(power):
+    """A stiff housing beside slow bodies: 20 t^power N m - shaft - gear 3 : 1 - spring - load, the housing takes 2 of 3."""
+    J, k, stiff, c, ratio = (1.0, 50.0, 5.0), 1e3, 1e5, 5.0, 3.0
+    rig = gb.Drivetrain("elastic bearing")
+    gear, housing = rig.add("gear", gb.IdealGear(ratio=ratio)), rig.add("housing", gb.Inertia(J=J[2]))
+    rig.chain(
+        rig.add("source", gb.Torque(tau=20 * T**power)), rig.add("shaft", gb.Inertia(J=J[0])), gear,
+        rig.add("spring", gb.Shaft(k=k)), rig.add("load", gb.Inertia(J=J[1])),
+    )  # fmt: skip
+    rig.chain(rig.add("wall", gb.Fixed()), rig.add("bearing", gb.Shaft(k=stiff, c=c)), housing)
+    rig.connect(gear.housing, housing.b)
+
+    def rates(t, y):
+        shaft, load, held, w_shaft, w_load, w_held = y
+        # the side of the gear towards the spring turns with held + (shaft - held)/ratio
+        spring = k * (held + (shaft - held) / ratio - load)
+        torques = 20 * t**power - spring / ratio, spring, -spring * (1 - 1 / ratio) - stiff * held - c * w_held
+        return [w_shaft, w_load, w_held, *(tau / inertia for tau, inertia in zip(torques, J, strict=True))]
+
+    t = np.linspace(0.0, 1.0, 51)
+    right = solve_ivp(rates, (0, 1), np.zeros(6), method="DOP853", rtol=1e-12, atol=1e-18, max_step=1e-2, t_eval=t).y
+    model = gb.build(rig)
+    for method in METHODS:
+        for rtol in (1e-6, 1e-8):
+            run = gb.simulate(model, t=t, rtol=rtol, method=method)
+            for name, values in (("shaft.w", right[3]), ("load.w", right[4]), ("bearing.twist", right[2])):
+                assert np.max(abs(run[name] - values)) < 10 * rtol * np.max(abs(values)), (method, rtol, name)
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("excess", [1e-2, 1e-3, 1e-4])
 def test_a_bearing_breaks_away_just_below_its_load(excess):
     """T sin 5t against a capacity C = T (1 - excess): slips from sin 5t = C/T until the area under T sin - C is 0."""

@@ -88,12 +88,12 @@ def test_set_takes_values_that_only_fit_together() -> None:
     _refused(lambda: rig.set({"mesh.teeth": (10, 30)}), "r_base = (0.1, 0.2)", "teeth = (10, 30)")
 
 
-@pytest.mark.parametrize("teeth", [(20, 31), (17, 51)])
+@pytest.mark.parametrize(("teeth", "external"), [((20, 31), True), ((17, 51), True), ((20, 45), False)])
 @pytest.mark.few(1)
-def test_a_number_that_follows_from_others_is_no_parameter_of_a_run(teeth: tuple[int, int]) -> None:
+def test_a_number_that_follows_from_others_is_no_parameter_of_a_run(teeth: tuple[int, int], external: bool) -> None:
     radii = (0.02, 0.02 * teeth[1] / teeth[0])
     rig = gb.Drivetrain("pair")
-    mesh = rig.add("g", gb.GearMesh(teeth=teeth, external=True, k=1e8, r_base=radii))
+    mesh = rig.add("g", gb.GearMesh(teeth=teeth, external=external, k=1e8, r_base=radii))
     drive = rig.add("drive", gb.Torque(tau=1.0))
     rig.chain(drive, rig.add("a", gb.Inertia(J=1.0)), mesh, rig.add("b", gb.Inertia(J=1.0)))
     model = gb.build(rig)
