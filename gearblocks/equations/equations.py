@@ -114,8 +114,9 @@ class Equations:
         return self.forcing.applyfunc(lambda expr: inserted(expr, depend))
 
     def jacobian(self) -> Any:
-        """d forcing / d (q, v), dead zones differentiated side by side; torques of friction as they are (see in_modes)."""
-        return self.expanded.jacobian([*self.q, *self.v])
+        """d forcing / d (q, v), dead zones differentiated side by side; torques of friction as they are (see in_modes).
+        Without rows and columns where no shaft moves by itself."""
+        return self.expanded.jacobian([*self.q, *self.v]) if self.q else sp.zeros(0, 0)
 
     def angle_form(self) -> list[Any]:
         """One equation per shaft: inertia times acceleration = torques."""

@@ -74,3 +74,18 @@ def test_what_a_notebook_shows_touches_nothing_beside_it():
         assert {rule.split()[0] for rule in rules if rule} == {".gearblocks"}
     page = rig.equations().html()
     assert page.startswith("<!DOCTYPE html>") and '<body class="gearblocks">' in page and page.count("<style>") == 1
+
+
+def test_a_long_name_breaks_and_what_is_wide_goes_on_in_its_own_box():
+    """On a telephone nothing but these boxes moves aside."""
+    rig = gb.Drivetrain("rolling")
+    name = "quadratic_speed_dependent_force_of_the_driver"
+    rig.connect(rig.add("body", gb.Inertia(J=1.0)).a, rig.add(name, gb.SpeedLoad(coeffs=(0.0, 0.1, 0.2))).flange)
+    page = rig.equations().html()
+    assert f"<h2>{name} (SpeedLoad)</h2>" in page
+    rules = dict(re.findall(r"^ *(\.[^{}]+?) \{([^{}]*)\}", page.split("@media")[0], re.MULTILINE))
+    assert "overflow-wrap: break-word" in rules[".gearblocks"]
+    for box in (".gearblocks .wide", ".gearblocks .equation > div"):
+        assert "overflow-x: auto" in rules[box]
+    assert "no-repeat scroll" in rules[".gearblocks :is(.wide, .equation > div)"]  # a shadow where it goes on
+    assert "overflow-wrap: break-word" in gb.simulate(rig, t_end=0.1)._repr_html_()

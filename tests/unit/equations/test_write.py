@@ -276,3 +276,9 @@ def test_a_sensed_speed_that_follows_from_others_is_written_over_these():
     (torque,) = eq.expanded
     assert torque.free_symbols == {*eq.v}
     assert "one_b" not in str(eq)
+
+
+def test_a_train_in_which_no_shaft_moves_by_itself_has_a_jacobian_without_rows():
+    rig = gb.Drivetrain("clamped")
+    rig.chain(rig.add("left", gb.Fixed()), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("right", gb.Fixed()))
+    assert rig.equations().jacobian().shape == (0, 0)
