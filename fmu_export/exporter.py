@@ -25,6 +25,7 @@ from fmu_export.variables import Variable, variables_of
 from gearblocks.codegen.program import Program
 from gearblocks.drawing.drawing import Drawing, shown_drawing
 from gearblocks.errors import ParameterError, by_name_only, warn
+from gearblocks.files import as_path
 from gearblocks.language.units import seconds
 from gearblocks.model.following_starts import numbers_of_their_own
 from gearblocks.simulation.arguments import duration
@@ -102,7 +103,7 @@ def export(
 
 def _target(path: str | os.PathLike[str]) -> Path:
     """Where the file goes. Raises ParameterError for a name that is none of an FMU."""
-    target = Path(path)
+    target = as_path(path)
     if target.suffix.lower() != ".fmu":
         raise ParameterError(f"'{target}': the name of an FMU ends in .fmu, such as {target.with_suffix('.fmu').name}")
     return target

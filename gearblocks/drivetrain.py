@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from gearblocks.errors import ModelError, by_name, by_name_only, did_you_mean, missing_attribute
+from gearblocks.files import as_path
 from gearblocks.language.block import Block
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import Flange
@@ -322,6 +323,7 @@ class Drivetrain:
 
         return listing.flanges(self.tree(), patterns)
 
+    @by_name_only
     def draw(
         self, path: str | Path | None = None, *, values: bool = False, run: Trajectory | None = None, at: float | None = None
     ) -> Drawing:  # fmt: skip
@@ -365,14 +367,14 @@ class Drivetrain:
         """Writes the train to a file from which `from_json` makes an equal one."""
         from gearblocks.train.json_form import write
 
-        write(self.tree(), Path(path))
+        write(self.tree(), as_path(path))
 
     @staticmethod
     def from_json(path: str | Path) -> Drivetrain:
         """The train in a file that `to_json` wrote. Expressions in it are parsed, never run."""
         from gearblocks.train.json_form import read
 
-        return Drivetrain.from_tree(read(Path(path)))
+        return Drivetrain.from_tree(read(as_path(path)))
 
     @staticmethod
     def from_tree(tree: Tree) -> Drivetrain:

@@ -11,6 +11,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
+from inspect import CO_VARARGS
 from typing import Any, ParamSpec, TypeVar
 
 _P = ParamSpec("_P")
@@ -156,15 +157,17 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """The function, with ParameterErrors for values without a name that need one, and for names that it has not."""
     code, defaults = function.__code__, function.__kwdefaults__ or {}
     n, name = code.co_argcount, function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
+    any_number = code.co_flags & CO_VARARGS
     known = code.co_varnames[: n + code.co_kwonlyargcount]
     first = known[:1].count("self")
     by_place, by_name = known[: n - len(function.__defaults__ or ())], [x for x in known[n:] if x not in defaults]
     listed = ", ".join(sorted(known[n:] or known[first:]))
-    call = f"{name}({', '.join([*by_place[first:], *(f'{x}=...' for x in by_name)])})"
+    names = [f"*{code.co_varnames[len(known)]}"] if any_number else []
+    call = f"{name}({', '.join([*by_place[first:], *names, *(f'{x}=...' for x in by_name)])})"
 
     @wraps(function)
     def checked(*given: _P.args, **named: _P.kwargs) -> _R:
-        if len(given) > n:
+        if len(given) > n and not any_number:
             raise ParameterError(f"{name}: {given[n]!r:.80} is given without a name; name it: {listed}")
         for argument in named:
             if argument not in known:

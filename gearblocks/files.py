@@ -13,12 +13,32 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from gearblocks.errors import GearblocksError, ParameterError, StorageError
+from gearblocks.errors import GearblocksError, ParameterError, StorageError, did_you_mean
 
 
 def reason(error: OSError) -> str:
     """Words of the operating system for `error`, without number and file name."""
     return (error.strerror or str(error) or type(error).__name__).lower()
+
+
+def as_path(path: object) -> Path:
+    """What is given as the name of a file. Raises ParameterError for what is none."""
+    if not isinstance(path, (str, os.PathLike)) or isinstance(os.fspath(path), bytes):
+        raise ParameterError(f"path = {path!r:.80} must be the name of a file, as text or a pathlib.Path")
+    return Path(path)
+
+
+def unreadable(path: str | os.PathLike[str], error: OSError) -> StorageError:
+    """The error of a file that cannot be read, with the way to one that can."""
+    source = Path(path)
+    if source.is_dir():
+        return StorageError(f"cannot read '{path}': it is a folder; name a file")
+    if not source.parent.is_dir():
+        return StorageError(f"cannot read '{path}': there is no folder '{source.parent}'")
+    if isinstance(error, FileNotFoundError):
+        near = [one.name for one in source.parent.glob(f"*{source.suffix}")]
+        return StorageError(f"cannot read '{path}': there is no such file here{did_you_mean(source.name, near)}")
+    return StorageError(f"cannot read '{path}': {reason(error)}; copy it to where you may read it")
 
 
 @contextmanager
@@ -27,11 +47,12 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
 
     Raises StorageError for every OSError inside the block (no space, no permission, no such folder).
     """
-    target = Path(path).resolve()  # a link keeps pointing where it points
+    target = as_path(path).resolve()  # a link keeps pointing where it points
     temporary: str | None = None
     try:
         if target.exists() and not target.is_file():
-            raise StorageError(f"{path} is no regular file and is left alone; name a file")
+            what = "a folder" if target.is_dir() else "no regular file"
+            raise StorageError(f"'{path}' is {what} and is left alone; name a file")
         handle, temporary = tempfile.mkstemp(prefix=f".{target.name[:40]}.", suffix=".tmp", dir=target.parent)
         with open(handle, "wb") as file:
             yield cast(BinaryIO, file)
@@ -61,7 +82,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 def make_folder(path: str | os.PathLike[str]) -> Path:
     """The folder `path`, made with its parents where missing; raises StorageError."""
-    folder = Path(path)
+    folder = as_path(path)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -24,6 +24,7 @@ from fmu_export.checks.inputs import plain
 from fmu_export.checks.limits import DEATHS, SECONDS_OF_ALL, SECONDS_OF_ONE
 from fmu_export.checks.report import Item, Report
 from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.files import as_path
 from gearblocks.language.units import seconds
 from gearblocks.simulation.arguments import InputSource
 
@@ -49,11 +50,13 @@ def check(
     system knows such limits (not on Windows), time everywhere.
     Raises ParameterError where there is no FMU at `path`, and for arguments that make no sense.
     """
-    fmu = Path(path)
+    fmu = as_path(path)
     end = None if t_end is None else seconds("t_end", t_end)
     if isinstance(steps, bool) or not isinstance(steps, int) or steps < 1:
         raise ParameterError(f"steps = {steps!r} must be a whole number of communication steps, >= 1")
     given = plain(inputs)
+    if fmu.is_dir():
+        raise ParameterError(f"'{fmu}' is a folder; name the FMU in it")
     if not fmu.is_file():
         raise ParameterError(f"there is no file '{fmu}'; fmu_export.export, or `gearblocks export`, writes an FMU")
     if not zipfile.is_zipfile(fmu):

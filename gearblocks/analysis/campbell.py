@@ -14,7 +14,7 @@ from gearblocks.codegen.program import ParameterInfo, Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.language.tidy import Tidy
-from gearblocks.language.units import has_unit, number_in_si
+from gearblocks.language.units import row_in_si
 from gearblocks.pages import small_table
 from gearblocks.plurals import singular
 from gearblocks.running import build
@@ -96,9 +96,9 @@ def campbell(
     a train that a Parameter drives, such as gb.Speed(w=n), to that speed). count: the lowest modes only.
     """
     model = build(train)
-    values = np.atleast_1d(np.asarray(_in_si(speeds), dtype=float))
-    if len(values) == 0 or not np.isfinite(values).all() or (np.diff(values) <= 0).any():
-        raise ParameterError(f"speeds = {speeds!r:.80} must be finite and increase")
+    values = row_in_si("speeds", speeds, "rad/s")
+    if values.ndim != 1 or len(values) == 0 or (np.diff(values) <= 0).any():
+        raise ParameterError(f"speeds = {speeds!r:.80} must be a row of numbers that increase")
     names = {p.path: i for i, p in enumerate(model.program.parameters) if p.tunable}
     body = _body_of(model, speed)
     driven = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")]
@@ -127,12 +127,6 @@ def campbell(
     return Campbell(
         model.program.name, speed, values, table, np.array([row[:width] for row in damping]), lines, crossings
     )
-
-
-def _in_si(speeds: Any) -> Any:
-    """Speeds that bring their unit in rad/s."""
-    texts = isinstance(speeds, (list, tuple)) and any(map(has_unit, speeds))
-    return [number_in_si("speeds", x, "rad/s") if has_unit(x) else x for x in speeds] if texts else speeds
 
 
 def _set_to(driven: ParameterInfo, speed: float) -> dict[str, float | str]:

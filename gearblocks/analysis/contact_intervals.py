@@ -11,7 +11,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.quantity import belongs
+from gearblocks.analysis.quantity import belongs, have
 from gearblocks.analysis.sections import Section, section_period
 from gearblocks.analysis.span import span_of_run
 from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
@@ -74,7 +74,7 @@ def contact_loss(
     if f"{component}.contact" not in known:
         having = [name.removesuffix(".contact") for name in known if name.endswith(".contact")]
         raise UnknownNameError(
-            f"contact_loss: '{component}' has no output 'contact'; {', '.join(sorted(having)) or 'nothing here'} has"
+            f"contact_loss: '{component}' has no output 'contact'; {have(sorted(having), 'nothing here')}"
             f"{did_you_mean(component, having)}"
         )
     if angle is not None and angle not in known:

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias, final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.errors import ParameterError, by_name
+from gearblocks.errors import ParameterError, by_name, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.language.units import check_unit, has_unit, in_unit, unit_written
 
@@ -92,6 +92,7 @@ def _has_texts(values: Any) -> bool:
     return isinstance(values, np.ndarray) and values.ndim == 1 and values.dtype.kind in "UO"
 
 
+@by_name_only
 def latin_hypercube(bounds: Mapping[str, Bounds], number: int, *, seed: int = 0) -> dict[str, NDArray[Any]]:
     """Cases for `gb.study`: `number` values of every path between (low, high), one in each of as many equal slices of it.
 
@@ -103,6 +104,7 @@ def latin_hypercube(bounds: Mapping[str, Bounds], number: int, *, seed: int = 0)
     return _scaled(bounds, lambda d, n: qmc.LatinHypercube(d, seed=np.random.default_rng(seed)).random(n), number)
 
 
+@by_name_only
 def random_cases(bounds: Mapping[str, Bounds], number: int, *, seed: int = 0) -> dict[str, NDArray[Any]]:
     """Cases for `gb.study`: `number` independent values of every path, uniform between (low, high).
 

@@ -23,6 +23,7 @@ from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.language.tidy import Tidy
+from gearblocks.language.units import row_in_si
 from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
@@ -104,7 +105,7 @@ class Linearization(metaclass=Tidy):
 
         Raises ParameterError at a frequency where the response has no bound.
         """
-        w = np.atleast_1d(np.asarray(frequencies, dtype=float))
+        w = row_in_si("frequencies", frequencies, "rad/s")
         found = np.empty((len(w), len(self.outputs), len(self.inputs)), dtype=complex)
         for row, one in enumerate(w):
             x = self._solved(complex(0.0, one))
@@ -333,11 +334,11 @@ def frequency_response(
     train: Drivetrain | Model, input: str, outputs: str | Sequence[str], frequencies: Any, *, at: OperatingPoint = "static",
     t: float | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> FrequencyResponse:  # fmt: skip
-    """The response of outputs to an Input, or to a tunable parameter such as "load.tau", at frequencies in rad/s; at: as of
-    `linearize`."""
+    """The response of outputs to an Input, or to a tunable parameter such as "load.tau", at frequencies in rad/s, or such as
+    "3000 rpm"; at: as of `linearize`."""
     model = build(train)
     found = linearize(model, at, inputs=[input], outputs=outputs, t=t, parameters=parameters)
-    w = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    w = row_in_si("frequencies", frequencies, "rad/s")
     units = {q.name: q.unit for q in model.program.outputs}
     return FrequencyResponse(
         model.program.name, input, found.outputs, w, found.response(w)[:, :, 0], tuple(units[n] for n in found.outputs)

@@ -19,7 +19,7 @@ from gearblocks.analysis.dynamic_quantities import dynamic_factor, line, period
 from gearblocks.analysis.quantity import Quantity, belongs, known, text_of, time_of
 from gearblocks.analysis.sections import Section
 from gearblocks.analysis.span import Span
-from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.errors import ParameterError, by_name_only, did_you_mean
 from gearblocks.language.units import seconds
 from gearblocks.simulation.needs import Along, Needs, Solution
 
@@ -99,7 +99,9 @@ class Value(Quantity):
 
     def _time(self, span: Span) -> float:
         if self.time is not None and not span.begin <= self.time <= span.end:
-            raise ParameterError(f"{self.name}: the run goes from {span.begin:g} to {span.end:g} s")
+            raise ParameterError(
+                f"{self.name}: {self.time:g} s must lie in the run, which goes from {span.begin:g} to {span.end:g} s"
+            )
         return span.end if self.time is None else float(self.time)
 
     def unit(self, span: Span) -> str:
@@ -352,7 +354,10 @@ def parsed(text: str) -> Quantity:
     """The quantity that `name` writes: "rms(mesh.force)", "peak(mesh.force, after=0.2)". Raises ParameterError."""
     call = _CALL.fullmatch(text)
     if call is None or call[1] not in _MAKERS:
-        raise ParameterError(f"'{text}' is no quantity; there are {', '.join(_MAKERS)}, written as rms(mesh.force)")
+        near = did_you_mean(text.partition("(")[0].strip(), _MAKERS)
+        raise ParameterError(
+            f"'{text}' is no quantity; there are {', '.join(_MAKERS)}, written as rms(mesh.force){near}"
+        )
     arguments: list[Any] = []
     named: dict[str, Any] = {}
     for part in filter(None, (part.strip() for part in call[2].split(","))):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any, ClassVar
 
@@ -155,9 +156,14 @@ def belongs(name: str, component: str) -> bool:
     return name == component or name.startswith(f"{component}.") or matches(name, component)
 
 
+def have(names: Sequence[str], none: str) -> str:
+    """Who has what was asked for, as the end of a sentence."""
+    return f"{', '.join(names) or none} {'have' if len(names) > 1 else 'has'}"
+
+
 def known(quantity: str, component: str | None, names: tuple[str, ...] | None, what: str) -> None:
     if component is not None and names is not None and not any(belongs(name, component) for name in names):
         raise UnknownNameError(
-            f"{quantity}: '{component}' has no {what}; {', '.join(names) or 'nothing in this train'} has"
+            f"{quantity}: '{component}' has no {what}; {have(names, 'nothing in this train')}"
             f"{did_you_mean(component, names)}"
         )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.language.signals import Input, Parameter
 from gearblocks.language.units import parse_unit
 from gearblocks.model.listing import matches
 from gearblocks.running import build
@@ -60,8 +61,15 @@ class Points:
         return f"<Points of '{self.run.name}': {len(self.t)} from t = {self.t[0]:g} s: {listed}>"
 
 
+@by_name_only
 def stroboscopic(frequency: str) -> Section:
-    """The section once per period of a frequency parameter [rad/s]."""
+    """The section once per period of a frequency parameter [rad/s], by its name. Raises ParameterError."""
+    if not isinstance(frequency, str):
+        name = frequency.name if isinstance(frequency, (Parameter, Input)) else "speed"
+        raise ParameterError(
+            f"stroboscopic: {frequency!r:.80} must be the name of the Parameter that drives the train, as text, such as "
+            f"gb.stroboscopic('{name}')"
+        )
     return Section(frequency)
 
 

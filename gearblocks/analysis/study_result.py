@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import StorageError, UnknownNameError, did_you_mean, missing_attribute
-from gearblocks.files import reason, replacing, write_bytes
+from gearblocks.errors import StorageError, UnknownNameError, by_name_only, did_you_mean, missing_attribute
+from gearblocks.files import as_path, replacing, unreadable, write_bytes
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
 from gearblocks.plurals import singular
@@ -243,7 +243,7 @@ class Study(metaclass=Tidy):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Store everything in a `.nc` (netCDF) file or a `.zarr` folder (needs gearblocks[zarr]), or a table as `.csv`.
         Raises StorageError."""
-        ending = Path(path).suffix.lower()
+        ending = as_path(path).suffix.lower()
         if ending == ".csv":
             self.to_csv(path)
         elif ending == ".nc":
@@ -267,7 +267,7 @@ class Study(metaclass=Tidy):
         """The study that `save` put into a `.nc` file or a `.zarr` folder, bit for bit. Raises StorageError."""
         import xarray
 
-        ending = Path(path).suffix.lower()
+        ending = as_path(path).suffix.lower()
         if ending not in (".nc", ".zarr"):
             raise StorageError(f"'{path}': the ending says how a study is stored and must be one of .nc, .zarr")
         try:
@@ -280,10 +280,12 @@ class Study(metaclass=Tidy):
                 data = xarray.open_zarr(Path(path), consolidated=False).load()
             return _restored(data)
         except OSError as error:
-            raise StorageError(f"cannot read '{path}': {reason(error)}") from error
+            raise unreadable(path, error) from error
         except (ValueError, KeyError, TypeError) as error:
-            raise StorageError(f"cannot read '{path}': it is not a stored study, or it is damaged ({error})") from error
+            words = str(error).partition("\n")[0]
+            raise StorageError(f"cannot read '{path}': it is not a stored study, or it is damaged ({words})") from error
 
+    @by_name_only
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
         """Figure of the quantities (default all), one panel each: lines over one dimension, colours over two, cases over each
         value that varies in them; points without a value are crosses. Saved to `path` where given. Raises UnknownNameError,

@@ -35,7 +35,7 @@ class Backlash(Effect):
         pair = gb.GearMesh(teeth=(20, 30), external=True, module=2e-3, pressure_angle=0.35, k=1e8, c=500.0, backlash=gap)
     """
 
-    half_gap: Value | None = param("half of the backlash", "m", default=None, ge=0, of_deflection=True)
+    half_gap: Value | None = param("half of the backlash", "m", default=None, ge=0, usual=1.0, of_deflection=True)
     law: str = option("form of the dead zone: 'exact', 'polynomial' or 'smooth'", default="exact")
     coefficients: tuple[Value, ...] | None = param(
         "coefficients of x, x^3, x^5, ... in half gaps",

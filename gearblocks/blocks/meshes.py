@@ -138,7 +138,8 @@ class GearMesh(Block):
         elif not isclose(radii[0] * self.teeth[1], radii[1] * self.teeth[0], rel_tol=1e-9):
             yield (
                 f"r_base = {self.r_base!r} is not in the ratio of teeth = {self.teeth!r} "
-                f"(r2/r1 = {radii[1] / radii[0]:.10g}, z2/z1 = {self.teeth[1] / self.teeth[0]:.10g})"
+                f"(r2/r1 = {radii[1] / radii[0]:.10g}, z2/z1 = {self.teeth[1] / self.teeth[0]:.10g}): "
+                f"give ({radii[0]:g}, {radii[0] * self.teeth[1] / self.teeth[0]:.10g}), or module and pressure_angle"
             )
 
     def _geometry_problems(self) -> Iterator[str]:

@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
-from gearblocks.files import reason
+from gearblocks.files import unreadable
 
 if TYPE_CHECKING:
     from gearblocks.analysis.scenes.scene import Scene
@@ -147,7 +147,7 @@ def load(path: Path) -> ModuleType:
     except PermissionError as error:
         if error.filename != str(path):
             raise ModelError(_trouble(path, error)) from error
-        raise StorageError(f"cannot read '{path}': {reason(error)}; copy it to where you may read it") from error
+        raise unreadable(path, error) from error
     except Exception as error:
         raise ModelError(_trouble(path, error)) from error
     finally:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, did_you_mean
 
 if TYPE_CHECKING:
     from gearblocks.analysis.scenes.scene import Scene
@@ -106,7 +106,16 @@ class Built(NamedTuple):
 
     def arguments(self, t_end: float | None, initial: str | None) -> dict[str, Any]:
         """The drive of a run: that of the scene, where one was named, with what is given here."""
+        from gearblocks.language.starts import ROLLING
+        from gearblocks.simulation.arguments import STATIC
+
         scene = self.scene
+        if initial is not None and initial not in (*STATIC, ROLLING):
+            kinds = (ROLLING, *STATIC)
+            raise ParameterError(
+                f"--initial {initial}: must be one of {', '.join(kinds)}{did_you_mean(initial, kinds)}; a start value is set, "
+                "such as --set motor.w0=300rpm"
+            )
         if scene is None:
             return {"t_end": 1.0 if t_end is None else t_end, "initial": initial, "parameters": self.tuned}
         return {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, final
 
 from gearblocks.drawing import states
@@ -12,7 +11,7 @@ from gearblocks.drawing.layout import Layout, layout
 from gearblocks.drawing.scheme import Scheme, scheme_of
 from gearblocks.drawing.writing import svg
 from gearblocks.errors import ParameterError
-from gearblocks.files import write_text
+from gearblocks.files import as_path, write_text
 from gearblocks.train.graph import Tree, flatten
 
 SHOWN = 500
@@ -54,7 +53,7 @@ def check_ending(path: str | os.PathLike[str]) -> None:
     """Refuses a file that would not be read as SVG."""
     if not isinstance(path, (str, os.PathLike)):
         raise ParameterError(f"drawing: {path!r:.80} is no name of a file; give one that ends in .svg")
-    if Path(path).suffix.lower() != ".svg":
+    if as_path(path).suffix.lower() != ".svg":
         raise ParameterError(f"drawing: '{path}' must end in .svg, the only form that a drawing has")
 
 

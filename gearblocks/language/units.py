@@ -343,6 +343,22 @@ def seconds(name: str, value: float | str) -> float:
     return number_in_si(name, value, "s") if has_unit(value) else finite_number(name, value)
 
 
+def row_in_si(what: str, values: Any, unit: str) -> NDArray[np.float64]:
+    """A row of values in SI, or one value as a row of it: each brings its unit, or is a bare number. Raises ParameterError for
+    what is no finite number, or measures something else."""
+    cells = [values] if has_unit(values) else values
+    if isinstance(cells, (list, tuple)):
+        cells = [number_in_si(what, x, unit) if has_unit(x) else x for x in cells]
+    try:
+        row = np.atleast_1d(np.asarray(cells, dtype=np.float64))
+    except (TypeError, ValueError):
+        raise ParameterError(f"{what} = {values!r:.80} must be numbers in {unit}, or texts with their unit") from None
+    if not np.isfinite(row).all():
+        i = int(np.flatnonzero(~np.isfinite(row))[0])
+        raise ParameterError(f"{what}: value [{i}] = {row.flat[i]} must be a finite number; leave it out or repair it")
+    return row
+
+
 def _shown(value: Any) -> str:
     return f"{value!r:.80}" if isinstance(value, str) else str(value)
 

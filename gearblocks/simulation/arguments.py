@@ -166,7 +166,9 @@ def picked_outputs(program: Program, outputs: str | Sequence[str]) -> Mapping[st
 def resolve(wanted: str, names: Mapping[str, int], what: str) -> int:
     """The number of a name, or of the only one that ends with it."""
     if not isinstance(wanted, str):
-        raise UnknownNameError(f"the name of the {what} must be text, not {wanted!r}")
+        name = getattr(wanted, "name", None)  # of a Parameter or an Input
+        way = f"; write '{name}'" if isinstance(name, str) else ""
+        raise UnknownNameError(f"the name of the {what} must be text, not {wanted!r:.80}{way}")
     if wanted in names:
         return names[wanted]
     ends = [name for name in names if name.endswith("." + wanted)]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import ParameterError, UnknownNameError
+from gearblocks.errors import ParameterError, UnknownNameError, by_name_only
 from gearblocks.pages import small_table
 from gearblocks.simulation import plotting
 from gearblocks.simulation.solution import between_samples, values_at
@@ -91,12 +91,16 @@ class Comparison:
         return plotting.over_time(self.t, series, title=" and ".join(self.titles), path=path)
 
 
+@by_name_only
 def compare(one: Trajectory, other: Trajectory, *names: str) -> Comparison:
     """Where two runs differ most, in the time that both have: over outputs (names or patterns, else all that both have).
 
     Each is taken on its solution between the samples. Where a contact begins or a clutch sticks at slightly other times, an
     output that jumps there differs by its jump. Raises UnknownNameError, ParameterError.
     """
+    for run in (one, other):
+        if not isinstance(run, Trajectory):
+            raise ParameterError(f"compare: {run!r:.80} must be a run, as gb.simulate answers with")
     common = set(other)
     chosen = [n for pattern in names or ("*",) for n in one.find(pattern) if n in common]
     chosen = list(dict.fromkeys(chosen))

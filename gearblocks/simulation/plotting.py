@@ -11,14 +11,13 @@ import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import StorageError
-from gearblocks.files import write_bytes
+from gearblocks.files import as_path, write_bytes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -279,7 +278,7 @@ def finished(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:
     """The figure, written to `path` where given. Raises StorageError."""
     if path is not None:
         known = figure.canvas.get_supported_filetypes()
-        form = Path(path).suffix.lstrip(".").lower()
+        form = as_path(path).suffix.lstrip(".").lower()
         if form not in known:
             raise StorageError(
                 f"'{path}': a picture's ending must be one of {', '.join('.' + name for name in sorted(known))}"

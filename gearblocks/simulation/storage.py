@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import StorageError
-from gearblocks.files import reason, replacing, write_bytes
+from gearblocks.files import as_path, replacing, unreadable, write_bytes
 from gearblocks.simulation.events import KINDS, Event, Events
 from gearblocks.simulation.records import Array, Content, EnergyLedger, FinalState, Stats
 
@@ -77,13 +77,14 @@ def load(path: str | os.PathLike[str]) -> Content:
     except StorageError:
         raise
     except OSError as error:
-        raise StorageError(f"cannot read '{path}': {reason(error)}") from error
+        raise unreadable(path, error) from error
     except (ValueError, KeyError, TypeError) as error:
-        raise StorageError(f"cannot read '{path}': it is not a stored run, or it is damaged ({error})") from error
+        words = str(error).partition("\n")[0]
+        raise StorageError(f"cannot read '{path}': it is not a stored run, or it is damaged ({words})") from error
 
 
 def _form(path: str | os.PathLike[str], forms: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
-    ending = Path(path).suffix.lower()
+    ending = as_path(path).suffix.lower()
     if ending not in forms:
         raise StorageError(f"'{path}': the ending says how a run is stored and must be one of {', '.join(forms)}")
     return forms[ending]

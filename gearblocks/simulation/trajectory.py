@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.errors import GearblocksError, ParameterError, UnknownNameError, did_you_mean, missing_attribute
+from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean, missing_attribute
 from gearblocks.language.units import check_unit
 from gearblocks.model.listing import matches
 from gearblocks.pages import small_table
@@ -60,19 +60,12 @@ class Trajectory:
     watched: Watched
 
     def __init__(
-        self,
-        t: ArrayLike,
-        columns: Outputs | Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
-        units: Mapping[str, str] | None = None,
-        *,
-        events: Sequence[Event] | Callable[[], Events] = (),
-        stats: Stats | Callable[[], Stats] | None = None,
-        energy: EnergyLedger | EnergyBalance | None = None,
-        meta: Mapping[str, Any] | None = None,
-        final_state: FinalState | Callable[[], FinalState] | None = None,
-        case: Case | None = None,
-        watched: Watched | None = None,
-    ) -> None:
+        self, t: ArrayLike, columns: Outputs | Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike],
+        units: Mapping[str, str] | None = None, *, events: Sequence[Event] | Callable[[], Events] = (),
+        stats: Stats | Callable[[], Stats] | None = None, energy: EnergyLedger | EnergyBalance | None = None,
+        meta: Mapping[str, Any] | None = None, final_state: FinalState | Callable[[], FinalState] | None = None,
+        case: Case | None = None, watched: Watched | None = None,
+    ) -> None:  # fmt: skip
         time, known, outputs = frozen(t), units or {}, columns
         if not isinstance(outputs, Outputs):
             outputs = _by_name(outputs)
@@ -223,6 +216,7 @@ class Trajectory:
         return f"the run has no {what} {name!r}{_hint(str(name), self.names)}"
 
     # -- between the samples ----------------------------------------------------------------------------------
+    @by_name_only
     def extremes(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremes:
         """(low, low_at, high, high_at): the lowest and the highest value of an output [its unit] and their times [s], located
         on the solution between the samples, in a window [s]. Equal to gb.trough and gb.peak. Raises UnknownNameError,
@@ -231,22 +225,20 @@ class Trajectory:
 
         return solution.extremes(self, self.case, self._known(name), solution.window_of(self, after, before))
 
+    @by_name_only
     def rms(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> float:
         """Root mean square of an output [its unit] over time, integrated; equal to gb.rms."""
         return self._along("rms", name, after, before)
 
+    @by_name_only
     def mean(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> float:
         """Mean of an output [its unit] over time, integrated; equal to gb.mean."""
         return self._along("mean", name, after, before)
 
+    @by_name_only
     def spectrum(
-        self,
-        name: str,
-        *,
-        after: float | str | None = None,
-        before: float | str | None = None,
-        samples: int | None = None,
-    ) -> Spectrum:
+        self, name: str, *, after: float | str | None = None, before: float | str | None = None, samples: int | None = None,
+    ) -> Spectrum:  # fmt: skip
         """(frequency [Hz], amplitude [unit of the output]): Fourier's transform of the solution at `samples` equal distances
         under the window of Hann (whose lines are two distances of frequency wide); a part a cos(2 pi f t) has the amplitude
         a."""
@@ -255,6 +247,7 @@ class Trajectory:
         window = solution.window_of(self, after, before)
         return solution.spectrum(self, self.case, self._known(name), self.units.get(name, "1"), window, samples)
 
+    @by_name_only
     def between(self, t0: float | str, t1: float | str, *, samples: int = 1001) -> Trajectory:
         """The part from t0 to t1 [s] at so many equal distances, found by running it again; events as they were."""
         from gearblocks.simulation import solution
@@ -287,6 +280,7 @@ class Trajectory:
         return name
 
     # -- elsewhere ----------------------------------------------------------------------------------------------
+    @by_name_only
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
         """Figure of outputs (names or patterns, else all) over time, one panel per unit; saved to `path`. Between the samples
         curves follow the solution; what takes whole numbers only is drawn in steps; ticks at the foot are events."""
@@ -386,15 +380,15 @@ def _by_name(columns: Mapping[str, ArrayLike] | tuple[Sequence[str], ArrayLike])
     names, values = columns
     table = frozen(values)
     if table.ndim != 2 or table.shape[1] != len(names):
-        raise GearblocksError(f"{len(names)} names do not fit a table of shape {table.shape}")
+        raise ParameterError(f"{len(names)} names do not fit a table of shape {table.shape}")
     return {name: table[:, column] for column, name in enumerate(names)}
 
 
 def _check(t: Array, columns: dict[str, Array]) -> None:
     if t.ndim != 1:
-        raise GearblocksError(f"the times of a run are one row of numbers, not an array of shape {t.shape}")
+        raise ParameterError(f"the times of a run are one row of numbers, not an array of shape {t.shape}")
     for name, values in columns.items():
         if values.shape != t.shape:
-            raise GearblocksError(f"output '{name}' has shape {values.shape}; the run has {len(t)} samples")
+            raise ParameterError(f"output '{name}' has shape {values.shape}; the run has {len(t)} samples")
         if name in RESERVED:
-            raise GearblocksError(f"an output cannot be named '{name}'")
+            raise ParameterError(f"an output cannot be named '{name}'")

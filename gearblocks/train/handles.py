@@ -125,7 +125,9 @@ def end_of(owner: Any, flange: Any) -> tuple[str, str]:
         if part in owner:
             has = owner[part].flanges
             way = f"write rig['{part}'].{end}" if end in has else f"'{part}' has {', '.join(has)}"
-        raise ModelError(f"{flange!r} is no flange of '{owner.name}': {way}")
+        if isinstance(flange, (list, tuple)):
+            way = "give flanges one by one, as connect(one, other), or connect(*flanges)"
+        raise ModelError(f"{flange!r:.80} is no flange of '{owner.name}': {way}")
     return (flange.part, flange.flange)
 
 
@@ -133,7 +135,9 @@ def main_ends(owner: Any, part: Any) -> list[tuple[str, str]]:
     """The one or two flanges by which a chain passes through a part of a drivetrain. Raises ModelError."""
     if not isinstance(part, Handle) or part._owner is not owner:
         way = f"write rig['{part}']" if isinstance(part, str) and part in owner else "use the handle that add returned"
-        raise ModelError(f"{part!r} is no part of '{owner.name}': {way}")
+        if isinstance(part, (list, tuple)):
+            way = "give parts one by one, as chain(one, other), or chain(*parts)"
+        raise ModelError(f"{part!r:.80} is no part of '{owner.name}': {way}")
     if isinstance(part._part, Block):
         main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
     else:

@@ -15,7 +15,7 @@ import gearblocks.blocks as catalogue
 import gearblocks.blocks.effects as effects
 import gearblocks.language.heat as heat
 from gearblocks.errors import GearblocksError, ModelError, StorageError, did_you_mean
-from gearblocks.files import write_text
+from gearblocks.files import unreadable, write_text
 from gearblocks.geometry.ratio_law import RatioLaw
 from gearblocks.language.block import Block, Declared
 from gearblocks.language.expression import FUNCTIONS, Expr, number
@@ -38,7 +38,7 @@ def read(path: Path) -> Tree:
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise StorageError(f"{path} cannot be read: {error.strerror or error}") from error
+        raise unreadable(path, error) from error
     except (ValueError, RecursionError) as error:
         raise StorageError(f"{path} is no JSON text: {error}; name a file that rig.to_json wrote") from error
     if not isinstance(data, dict) or data.get("format") != FORMAT:

@@ -159,7 +159,7 @@ def _problem(name: str, value: Any, field: Field) -> str:
         return f"{name} = {value!r} is no signal by itself: call it with two quantities, such as table(gb.sense('motor.w'), u)"
     elif isinstance(value, bool) or not isinstance(value, (int, float, Fraction if field.role == "exact" else int)):
         kinds = ", Parameter, Input, Table or expression" * (field.role == "signal")
-        return f"{name} = {value!r:.80} is no number{kinds}: give {_example(field)}"
+        return f"{name} = {value!r:.80} is no number{kinds}: {_way(name, value, field)}"
     else:
         number, shown = _float(value), ""
     if not math.isfinite(number):
@@ -171,6 +171,18 @@ def _problem(name: str, value: Any, field: Field) -> str:
         if problem and degrees
         else problem
     )
+
+
+def _way(name: str, value: object, field: Field) -> str:
+    """How what stands for a signal is given: a function and values over time have ways of their own."""
+    short = name.rpartition(".")[2]
+    if field.role == "signal" and callable(value):
+        unit = f", unit='{field.unit}'" if field.unit not in ("", "1") else ""
+        call = f"gb.simulate(..., inputs={{'{short}': function}})"
+        return f"a function of time is given to a run, {short}=gb.Input('{short}'{unit}) and {call}"
+    if field.role == "signal" and hasattr(value, "__len__") and not isinstance(value, str):
+        return f"values over time are {short}=gb.Table(t, values)"
+    return f"give {_example(field)}"
 
 
 def _example(field: Field) -> str:

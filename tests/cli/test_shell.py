@@ -277,7 +277,7 @@ def test_a_run_can_start_in_the_static_equilibrium(script: Path, capsys: pytest.
     assert "shaft.twist  -0.015 rad" in out  # 3 N m on 200 N m/rad, and nothing moves
     assert main(["run", str(script), "--initial", "balanced"]) == 2
     _, err = said(capsys)
-    assert "initial = 'balanced' must be start values" in err
+    assert "--initial balanced: must be one of rolling, static" in err
 
 
 @pytest.mark.parametrize(

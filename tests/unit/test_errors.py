@@ -87,6 +87,19 @@ def test_values_that_are_missing_misspelt_or_without_a_name_are_told_with_the_ca
     assert _measured("rig", over="mesh") == _measured(train="rig", speed=1.0, over="mesh", step=0.1)
 
 
+@by_name_only
+def _shown(first: str, *others: str, path: str = "") -> tuple[str, tuple[str, ...], str]:
+    return first, others, path
+
+
+def test_a_function_of_any_number_of_values_takes_them_and_names_what_it_has_not() -> None:
+    assert _shown("a", "b", "c", path="d") == ("a", ("b", "c"), "d")
+    with pytest.raises(ParameterError, match="has no argument 'file'; it has path; write _shown\\(first, \\*others\\)"):
+        _shown("a", file="d")  # type: ignore[call-arg]
+    with pytest.raises(ParameterError, match="_shown needs first"):
+        _shown()  # type: ignore[call-arg]
+
+
 @pytest.mark.parametrize("name", ELSEWHERE)
 def test_what_other_packages_call_a_thing_is_no_name_here_and_leads_to_one(name: str) -> None:
     with pytest.raises(AttributeError, match=f"here it is gb.{ELSEWHERE[name]}$"):

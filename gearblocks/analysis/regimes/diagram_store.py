@@ -26,7 +26,7 @@ from gearblocks.analysis.regimes.orbit import PeriodicOrbit
 from gearblocks.analysis.regimes.regime import Regime
 from gearblocks.analysis.regimes.strobe import GrowthError
 from gearblocks.errors import SimulationError, StorageError
-from gearblocks.files import make_folder, write_bytes, write_text
+from gearblocks.files import as_path, make_folder, write_bytes, write_text
 from gearblocks.simulation.records import FinalState
 
 Array = NDArray[np.float64]
@@ -54,7 +54,7 @@ class DiagramStore:
 
     def __init__(self, path: str | os.PathLike[str], identity: Mapping[str, str]) -> None:
         """Opened, or made. Raises StorageError where there is something else, or another diagram."""
-        self.path = Path(path)
+        self.path = as_path(path)
         mark = self.path / "diagram.json"
         if not self.path.exists() or (self.path.is_dir() and not any(self.path.iterdir())):
             make_folder(self.path)

@@ -17,7 +17,7 @@ from gearblocks.analysis.scenes.reference import Reference
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.scenes.work_precision_points import Point, Verified
 from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
-from gearblocks.files import write_text
+from gearblocks.files import as_path, write_text
 from gearblocks.pages import small_table
 from gearblocks.plurals import singular
 
@@ -260,7 +260,7 @@ class WorkPrecision:
             rows.append(
                 ",".join([*asked, *shown, *map(str, (p.members, s.rhs_calls, s.steps, s.events)), repr(s.cpu_seconds)])
             )
-        write_text(Path(path), "\n".join([*rows, ""]))
+        write_text(as_path(path), "\n".join([*rows, ""]))
         return Path(path)
 
 

@@ -86,8 +86,8 @@ def test_losses_within_a_stored_run_are_not_known(run: gb.Trajectory) -> None:
         (gb.rms("load.w", after=1.0), "after = 1 s must lie in the run before 1 s"),
         (gb.mean("load.w", after=-0.1), "the run goes from 0 to 1 s"),
         (gb.peak("load.w", before=2.0), "before = 2 s must lie within the run"),
-        (gb.at("load.w", 1.5), "the run goes from 0 to 1 s"),
-        (gb.count("clutsch"), "'clutsch' has no events; clutch, tau has"),
+        (gb.at("load.w", 1.5), "1.5 s must lie in the run, which goes from 0 to 1 s"),
+        (gb.count("clutsch"), "'clutsch' has no events; clutch, tau have"),
         (gb.count("clutch", "contact_lost"), "'clutch' has no contact; nothing in this train has"),
         (
             gb.count("clutch", "sudden"),

@@ -225,7 +225,7 @@ def test_a_file_that_is_no_train_is_refused_by_name(content: bytes, tmp_path: Pa
     path = tmp_path / "rig.json"
     path.write_bytes(content)
     _refused(lambda: gb.Drivetrain.from_json(path), "rig.json")
-    _refused(lambda: gb.Drivetrain.from_json(tmp_path / "none.json"), "none.json", "cannot be read")
+    _refused(lambda: gb.Drivetrain.from_json(tmp_path / "none.json"), "none.json", "cannot read")
 
 
 def test_a_file_that_cannot_be_written_keeps_what_was_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
