@@ -256,9 +256,10 @@ static inline int gb_lcp_pivoting(const gb_lcp *lcp, double lift, const double *
 }
 
 /* One proximal step as a correction of x: what is left of the equations is solved for, so that the rounding of a matrix
- * that is nearly singular does not stay in them. 2: by no more than rounding; 0: not found. */
+ * that is nearly singular does not stay in them; where pivoting finds none, by all sides if asked. 2: by no more than
+ * rounding; 0: not found. */
 static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
-                                 double *x) {
+                                 int all, double *x) {
     const int n = lcp->A.n;
     double left[n + 1], least[n + 1], most[n + 1], step[n + 1], size = 0.0;
     memset(left, 0, sizeof left);
@@ -271,7 +272,8 @@ static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b
             most[i] = hi[i] + gb_lcp_shift(lcp->coupled, i, 1, x) - x[i];
         }
     }
-    if (!gb_lcp_pivoting(lcp, lift, left, least, most, step)) {
+    if (!gb_lcp_pivoting(lcp, lift, left, least, most, step) &&
+        !(all && gb_lcp_try_all(lcp, lift, left, least, most, step))) {
         return 0;
     }
     double moved = 0.0, largest = 0.0;
@@ -313,9 +315,14 @@ static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double 
             right[i] = lcp->in[i] ? b[i] - lift * x[i] : 0.0;
         }
         const int found =
-            graded ? gb_lcp_correct(lcp, lift, b, lo, hi, x) : gb_lcp_pivoting(lcp, lift, right, lo, hi, x);
-        if (found == 0) {
-            return gb_lcp_try_all(lcp, 1e-9 * most, b, lo, hi, x);
+            graded ? gb_lcp_correct(lcp, lift, b, lo, hi, 0, x) : gb_lcp_pivoting(lcp, lift, right, lo, hi, x);
+        if (found == 0) { /* with all sides tried the lift stays in the equations, too */
+            const int any = gb_lcp_try_all(lcp, 1e-9 * most, b, lo, hi, x);
+            int more = any ? GB_LCP_STEPS : 0;
+            while (more > 0) {
+                more = gb_lcp_correct(lcp, 1e-9 * most, b, lo, hi, 1, x) == 1 ? more - 1 : 0;
+            }
+            return any;
         }
         if (found != 1) {
             return found;
@@ -328,7 +335,7 @@ static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double 
         }
     }
     if (!graded) { /* elimination leaves the rounding of a matrix that is nearly singular in the equations */
-        gb_lcp_correct(lcp, lift, b, lo, hi, x);
+        gb_lcp_correct(lcp, lift, b, lo, hi, 0, x);
     }
     return 1;
 }

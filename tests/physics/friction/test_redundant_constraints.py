@@ -163,3 +163,23 @@ def test_a_freewheel_takes_what_a_weaker_brake_beside_it_cannot_through_a_gear_w
     ratio = passed / run["clutch.torque"]
     assert ratio == pytest.approx(ratio[0], rel=1e-9) and abs(ratio[0]) > 2.0
     assert np.abs(run["hold.torque"]).max() <= 0.3
+
+
+@pytest.mark.parametrize(("capacity", "light", "heavy"), [(0.191, 0.0287, 2.0), (1.0, 0.0287, 2.0), (0.5, 0.004, 3.0)])
+def test_a_body_held_both_ways_rests_beside_a_clutch(capacity, light, heavy):
+    """What all sides were tried for kept 1e-9 of the load in the equations: the room of the locks was another one from instant
+    to instant, and steps went down to 1e-11 s for good."""
+    rig = gb.Drivetrain("held both ways")
+    body, far = rig.add("body", gb.Inertia(J=light)), rig.add("far", gb.Inertia(J=heavy))
+    clutch, behind = rig.add("clutch", gb.Clutch(capacity=capacity)), rig.add("behind", gb.Freewheel())
+    one, other = rig.add("one", gb.OneWayClutch(capacity=2.99)), rig.add("other", gb.Freewheel())
+    ground = rig.add("ground", gb.Fixed())
+    rig.connect(body.a, clutch.a, one.b, other.a)
+    rig.connect(body.b, rig.add("load", gb.Torque(tau=1.61 * gb.sin(15.5 * gb.time))).flange)
+    rig.connect(far.a, clutch.b)
+    rig.connect(far.b, behind.b)
+    rig.connect(one.a, behind.a, other.b, ground.flange)
+    t = np.linspace(0, 3, 301)
+    run = gb.simulate(rig, t=t)
+    assert run.stats.steps < 100 and (run["body.phi"] == 0.0).all()
+    assert run["ground.torque"] == pytest.approx(-1.61 * np.sin(15.5 * t), abs=1e-9)

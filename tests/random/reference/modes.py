@@ -80,7 +80,7 @@ class Modes(Impacts):
         kept = self.kept(t, y) if smooth and not starting else None
         stays = self.stays(y, kept) if kept is not None else None
         ended = self.ended(y) if kept is not None else []
-        broken = self.broken(t, y) if kept is not None else []
+        broken = self.broken(t, y, ended) if kept is not None else []
         choices = self.choices(y, v)
         fits: list[tuple[Any, Array, Array]] = []
         alone = self.unique()
@@ -284,11 +284,17 @@ class Modes(Impacts):
             at += 4
         return out
 
-    def broken(self, t: float, y: Array) -> list[int]:
-        """Units that hold more than they slide with, and less than is asked of them now: which of several lets go first, and
-        what that leaves to the others, is told by the load on its way."""
+    def broken(self, t: float, y: Array, ended: list[int]) -> list[int]:
+        """Units that hold more than they slide with, and less than is asked of them now, or would be if what has come to slip
+        no more held too: which of several lets go first, and what that leaves to the others, is told by the load on its way.
+        """
+        modes = [d.mode for d in self.s.dry]
+        for i in ended:
+            self.s.dry[i].mode = 0
         margins = self.d.evaluate(t, y, margins=True)[1]
         units, size = margins[len(self.s.sw.value) + 2 * len(self.s.iwan) :], self.force(t, y)
+        for d, mode in zip(self.s.dry, modes, strict=True):
+            d.mode = mode
         return [
             i
             for i, d in enumerate(self.s.dry)
