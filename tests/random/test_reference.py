@@ -193,6 +193,16 @@ def test_of_two_static_peaks_that_a_jump_of_the_load_passes_it_cannot_tell():
         reference_motion(train, T)
 
 
+def test_nor_of_two_that_a_lock_passes_as_it_closes():
+    # h comes up from behind and closes the freewheel, which then asks of both at once what was asked of neither
+    clutch = Part("x", "Clutch", (("capacity", 7.14), ("peak", 1.02)), (("a", "j"), ("b", "k")))
+    brake = Part("y", "Brake", (("capacity", 3.99), ("peak", 2.0)), (("a", "k"), ("housing", GROUND)))
+    lock = Part("z", "Freewheel", (), (("a", "h"), ("b", "j")))
+    bodies = (_body("h", w0=-1.0), _body("j", 1.23, w0=0.0), _body("k", 1.2, w0=0.0))
+    with pytest.raises(NoEvidenceError, match="several static peaks"):
+        reference_motion(_train(*bodies, clutch, brake, lock, _push("h", 14.3)), T)
+
+
 @pytest.mark.parametrize(("tau", "holds"), [(4.45, 4.8), (4.2, 4.4), (4.9, 4.8)])
 @pytest.mark.few(1)
 def test_a_slip_that_ends_is_held_though_a_freewheel_lets_go_on_the_way(tau, holds):
