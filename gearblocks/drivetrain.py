@@ -42,6 +42,7 @@ class Drivetrain:
     `add`, `connect`, `chain`, `expose` and `coordinate` change it; `set`, `without` and `only` return new ones.
     """
 
+    @by_name_only
     def __init__(self, name: str) -> None:
         if not isinstance(name, str) or not name.strip():
             raise ModelError(f"a Drivetrain needs a name: {name!r} must be text such as 'test rig'")
@@ -67,7 +68,8 @@ class Drivetrain:
         Raises ModelError for a name that is taken or odd, and for values out of bounds.
         """
         if not isinstance(name, str) or not _NAME.fullmatch(name):
-            raise ModelError(f"part name {name!r} must be a word of letters, digits and '_' that starts with a letter")
+            way = f": the name comes first, add({part!r}, ...)" if isinstance(part, str) else ""
+            raise ModelError(f"part name {name!r:.80} must be a word of letters, digits and '_', a letter first{way}")
         if name in self._parts:
             raise ModelError(
                 f"'{self.name}' already has a part named '{name}'; take another name, or change it with rig.set"

@@ -128,6 +128,7 @@ def missing_attribute(
     own = [x for x in dir(thing) if not x.startswith("_")]
     if not ways and (meant := _MEANT.get(name)) in own:
         ways = [f"{of}.{meant}"]
+    ways = ways or [f"{of}['{part}']" for part in near_names(name, parts)[:1]]
     near = "" if ways else did_you_mean(name, own)
     return UnknownAttributeError(
         f"a {kind} has no attribute '{name}'{near}; {f'write {chr(32).join(ways)}' if ways else _LISTED[of]}"
@@ -197,14 +198,19 @@ def by_name(what: str, values: Any) -> Mapping[str, Any]:
     return values
 
 
-def did_you_mean(name: str, candidates: Iterable[str]) -> str:
-    """The question " - did you mean 'pinion'?" when some candidate is near to `name`, else the empty string."""
+def near_names(name: str, candidates: Iterable[str]) -> list[str]:
+    """The three candidates that are nearest to `name`, if any is near."""
     import difflib
 
+    return difflib.get_close_matches(name, list(candidates), n=3, cutoff=0.6)
+
+
+def did_you_mean(name: str, candidates: Iterable[str]) -> str:
+    """The question " - did you mean 'pinion'?" when some candidate is near to `name`, else the empty string."""
     if not isinstance(name, str):
         return ""
     known = list(candidates)
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
+    near = near_names(name, known)
     if not near:
         folded = name.casefold()
         near = [other for other in known if other.casefold().endswith("." + folded) or other.casefold() == folded][:3]

@@ -99,10 +99,20 @@ def _laws(train: Train, made: dict[Any, Law], inverted: frozenset[int]) -> list[
     for index, c in enumerate(train.components):
         key = (structure_of(c.block), _grounded(c), index in inverted)
         if key not in made:
-            made[key] = derive(c.block, key[1], inverted=key[2])
+            made[key] = _derived(c, key)
             check_feedback(made[key], c.path)
         laws.append(made[key])
     return _with_sensed_conditions(train, made, inverted, laws)
+
+
+def _derived(c: Component, key: tuple[Any, frozenset[str], bool]) -> Law:
+    """The law of a component, whose name stands in what cannot be derived."""
+    try:
+        return derive(c.block, key[1], inverted=key[2])
+    except ModelError as error:
+        kind = type(c.block).__name__
+        named = (f"{kind} '{c.path}'{p.removeprefix(kind)}" if p.startswith(f"{kind}: ") else p for p in error.problems)
+        raise ModelError(list(named)) from None
 
 
 def _with_sensed_conditions(train: Train, made: dict[Any, Law], inverted: frozenset[int], laws: list[Law]) -> list[Law]:

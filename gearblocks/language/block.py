@@ -266,6 +266,8 @@ class Block(Declared, ABC):
     s.<flange>.s, .v and .f are other names of phi, w and tau (in m, m/s and N).
     A parameter declared with start="angle" or "speed" is a start value of the shaft that the block has a Body at; so is one
     called phi0, w0, s0 or v0, as in the catalogue, that nothing in the block reads.
+    Functions and decisions are gb.sin, gb.exp, gb.piecewise, gb.maximum and their like, or sympy's; a Table over quantities
+    of the block is a field, map = gb.option("torque over speed"), read as s.local("map", speed=s.shaft.w).
     s.<flange>.mobility is 1/J of all inertia tied rigidly to the flange (0 at the ground).
     """
 

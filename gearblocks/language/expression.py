@@ -386,7 +386,7 @@ def from_sympy(x: Any) -> Expr:
     if x.is_Symbol:
         raise GearblocksError(
             f"the expression contains the symbol '{x}', which is no gb.time, gb.Parameter, gb.Input or gb.sense(...): "
-            f"make it gb.Parameter('{x}', value, unit)"
+            f"make it gb.Parameter('{x}', value, unit); in physics a Table is read as s.local('field', x=quantity)"
         )
     name = type(x).__name__
     if name == "Piecewise":

@@ -116,6 +116,11 @@ def _guarded(block: Block) -> Any:
     return copy
 
 
+_DECIDED = "gb.piecewise, gb.minimum and gb.maximum"
+_FUNCTIONS = "gb.sin, gb.exp and their like; a table is a field, read as s.local('field', x=quantity)"
+"""What stands in physics in place of decisions and of functions of numbers."""
+
+
 def _raised(error: Exception, block: Block, s: Symbols) -> str:
     """Words for an exception of a user's code."""
     frames = traceback.extract_tb(error.__traceback__)
@@ -130,6 +135,11 @@ def _raised(error: Exception, block: Block, s: Symbols) -> str:
         )
         near = did_you_mean(str(error.name), known)
         return f"asks {'a flange' if of_flange else 's'} for '{error.name}'; it has {', '.join(known)}{near}"
+    if isinstance(error, TypeError) and "truth value" in str(error):
+        found = str(error).rpartition(": ")[2]
+        return f"decides by '{found}' (line {line}), which changes along a run: in place of if, min and max take {_DECIDED}"
+    if isinstance(error, TypeError) and ("ufunc" in str(error) or "expression to float" in str(error)):
+        return f"gives a symbol to a function of numbers (line {line}: {error}); take {_FUNCTIONS}"
     return f"raises {type(error).__name__}: {error} (line {line}; an optional field that is not given is None)"
 
 
