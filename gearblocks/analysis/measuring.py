@@ -110,7 +110,7 @@ def _of_a_trajectory(task: Task, point: Array) -> tuple[list[float | Array], flo
             initial=initial, progress=silent, **arguments,
         )  # fmt: skip
         if not run.complete:
-            raise Interrupted
+            raise KeyboardInterrupt
         return [_of(one, run, span) for one in task.measures], run.stats.cpu_seconds
     except (GearblocksError, OverflowError) as error:
         raise Failed(str(error)) from error

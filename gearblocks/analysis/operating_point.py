@@ -21,12 +21,14 @@ from gearblocks.simulation.arguments import (
     set_inputs,
 )  # fmt: skip
 from gearblocks.simulation.equilibrium import static_point
+from gearblocks.simulation.failures import reason
 from gearblocks.simulation.rolling import rolled
 from gearblocks.simulation.start_states import start_state
 from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.binding import Simulation
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point, opened
+from gearblocks.solver.structures import Code
 
 OperatingPoint: TypeAlias = Start
 
@@ -45,7 +47,7 @@ def operating_point(
         set_inputs(sim, program, inputs or {})
         if is_rolling(at):
             sim.parameters[:] = rolled(model, sim, begin, at)
-        with _named(begin):
+        with _named(sim, program, begin):
             if is_static(at):
                 point = _static(sim, program, begin, at)
             else:
@@ -65,11 +67,13 @@ def _static(sim: Simulation, program: Program, t: float, at: OperatingPoint) -> 
 
 
 @contextmanager
-def _named(t: float) -> Iterator[None]:
+def _named(sim: Simulation, program: Program, t: float) -> Iterator[None]:
     """A failure of the core as a SimulationError."""
     try:
         yield
     except RuntimeError as error:
+        if sim.error is not None:
+            raise SimulationError(t, *reason(program, Code.ERR_CALLBACK, sim)) from sim.error
         raise SimulationError(
             t, "", f"the point cannot be held ({error})", "look at the values of the train"
         ) from error

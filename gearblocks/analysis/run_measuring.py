@@ -91,6 +91,7 @@ class RunMeasuring:
                     parameters = self._rolled(sim, parameters, i, span)
                 start = self._balanced(sim, parameters, self._inputs(i, sim), span) if static else None
             except (GearblocksError, OverflowError) as error:
+                sim.raise_end()
                 self.messages[i] = str(error)
                 continue
             except StoppedError as stopped:
@@ -184,7 +185,4 @@ def why(sim: Simulation, program: Program, code: Code) -> str:
     """Words for a run that could not go on."""
     if code == Code.ERR_MEMORY:
         return f"t = {sim.counters.t:.9g} s: the record of this run fills the memory that it may take"
-    name, cause, remedy = reason(program, code, sim)
-    if code == Code.ERR_CALLBACK and sim.error is not None:
-        remedy = f"{type(sim.error).__name__}: {sim.error}"
-    return str(SimulationError(sim.report.t, name, cause, remedy))
+    return str(SimulationError(sim.report.t, *reason(program, code, sim)))

@@ -131,10 +131,8 @@ def _started(model: Model, initial: Start, asked: _Asked, *, beyond: bool = Fals
             with opened(sim, program, asked.begin, y0, beyond=beyond) as point:
                 yield point
         except RuntimeError:
-            if sim.error is not None:
-                raise sim.error from None
             words = reason(program, Code(sim.report.code), sim)
-            raise SimulationError(sim.report.t, *words) from None
+            raise SimulationError(sim.report.t, *words) from sim.error
 
 
 def _base(model: Model, asked: _Asked) -> Start:

@@ -78,6 +78,7 @@ def _modes_at(point: Point) -> list[FastMode]:
     try:
         return fast_modes(point)
     except (RuntimeError, ArithmeticError, np.linalg.LinAlgError):
+        point.sim.raise_end()
         return []
 
 

@@ -20,9 +20,12 @@ from gearblocks.solver.structures import Array, Code
 
 
 def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str]:
-    """(component, cause, remedy) of why a simulation stopped."""
+    """(component, cause, remedy) of why a simulation stopped. Raises what an input function ended the program with."""
+    sim.raise_end()
     report = sim.report
     cause, remedy = _CAUSES.get(code, (f"the solver answered {code.name}", ""))
+    if code == Code.ERR_CALLBACK and sim.error is not None:
+        cause = f"the input function raised {type(sim.error).__name__}: {sim.error}"
     if code == Code.ERR_CHATTER and report.value >= _CROWD:
         cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
     if code == Code.ERR_CHATTER and report.value < 0:
@@ -104,7 +107,7 @@ def _ahead(sim: Simulation, switches: int) -> Iterator[Array]:
         for seconds in (1e-9, 1e-6, 1e-3):
             yield sim.probe(t, y + seconds * rates, modes, "outputs")
     except (RuntimeError, ArithmeticError, ValueError):
-        return
+        sim.raise_end()
 
 
 def too_long(
@@ -253,5 +256,5 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
     ),
     Code.ERR_MEMORY: ("there is not enough memory", ""),
-    Code.ERR_CALLBACK: ("the input function raised an exception", "it must answer a number to a time in s; see above"),
+    Code.ERR_CALLBACK: ("the input function raised an exception", "it must answer a number to a time in s"),
 }  # fmt: skip

@@ -187,6 +187,7 @@ class Measuring:
         try:
             return static_outputs(sim, self.program, runs.case.begin, needs.static)
         except GearblocksError as error:
+            sim.raise_end()
             return error
         except RuntimeError:
             return SimulationError(sim.report.t, *reason(self.program, Code(sim.report.code), sim))

@@ -166,17 +166,17 @@ class _Run:
                 )
             return point.y
         except RuntimeError:
-            raise self._stopped(Code(self.sim.report.code)) from self.sim.error
+            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
 
     def go(self, options: Options, begin: float, y0: Array | None, why: str) -> Trajectory:
         """Runs to the end, to an error or to Ctrl-C."""
         code = self.sim.start(options, begin, y0)
         if code < 0:
-            raise self._stopped(code) from self.sim.error
+            raise self._failure(code, None) from self.sim.error
         try:
             first = self.sim.state(), self.sim.energies()
         except RuntimeError:
-            raise self._stopped(Code(self.sim.report.code)) from self.sim.error
+            raise self._failure(Code(self.sim.report.code), None) from self.sim.error
         complete = False
         try:
             code = self._loop(begin, first)
@@ -185,8 +185,8 @@ class _Run:
             code = Code.PAUSE
         if isinstance(self.sim.error, KeyboardInterrupt):
             code = Code.PAUSE
-        elif self.sim.error is not None and not isinstance(self.sim.error, Exception):
-            raise self.sim.error  # an input function ended the program
+        else:
+            self.sim.raise_end()
         self.counters = self.sim.counters  # before anything is run once more
         if self.watching is not None:
             self.watched = self.watching.ended(self.parameters, self.rows)
@@ -336,22 +336,14 @@ class _Run:
 
     # -- failures -----------------------------------------------------------------------------------------------------
 
-    def _stopped(self, code: Code) -> BaseException:
-        """Why a run does not begin: what an input function raised to end the program (Ctrl-C), or the solver's reason."""
-        raised = self.sim.error
-        return raised if raised is not None and not isinstance(raised, Exception) else self._failure(code, None)
-
     def _failure(self, code: Code, run: Trajectory | None) -> GearblocksError:
-        """The error of a return code, with the name of the thing and the way out."""
+        """The error of a return code, with the name of the thing and the way out. Raises what ended the program."""
         report, program = self.sim.report, self.model.program
         t, (name, cause, remedy) = report.t, reason(program, code, self.sim)
         if code == Code.ERR_UNSTABLE and run is not None:
             name, cause, remedy = too_long(self.sim, program, run.meta["step"], self.rows, (name, cause, remedy))
         if code == Code.ERR_CHATTER and run is not None:
             remedy = remedy_beside_jumps(name, remedy, {e.component: e.after for e in run.events})
-        if code == Code.ERR_CALLBACK and self.sim.error is not None:
-            raised = self.sim.error
-            cause = f"the input function raised {type(raised).__name__}: {raised}"
         if self.size > memory_limit(self.samples is not None):
             t = float(self.sim.counters.t)
             counts = Counter(np.concatenate(self.events)["index"].tolist()) if self.events else Counter()

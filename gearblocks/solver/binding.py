@@ -82,6 +82,13 @@ class Simulation:
             self._sim = None
             self.parameters = self.inputs = NOTHING
         self.close()
+        if isinstance(error, Exception):
+            self.raise_end()
+
+    def raise_end(self) -> None:
+        """Raises what an input function raised to end the program (Ctrl-C, sys.exit), if one did."""
+        if self.error is not None and not isinstance(self.error, Exception):
+            raise self.error
 
     def _is_like_new(self) -> bool:
         """Whether the memory may serve another simulation: small, with nothing tied to it."""
@@ -131,7 +138,8 @@ class Simulation:
         )
 
     def set_function(self, index: int, function: Callable[[float], float]) -> None:
-        """Input `index` follows a Python function of time, called per stage. Its exception stops the run (`error`)."""
+        """Input `index` follows a Python function of time, called per stage. Its exception stops the run (`error`); one that
+        ends the program takes the place of every error that follows from it."""
 
         def call(_user: int | None, _index: int, t: float, value: Any) -> int:
             try:
@@ -191,14 +199,8 @@ class Simulation:
         out = np.empty((len(rows), len(pick)))
         energy = np.empty((len(rows), len(self._program.energies) if energies else 0))
         code = self._shared.gb_evaluate(
-            self._sim,
-            address(rows),
-            len(rows),
-            address(pick),
-            len(pick),
-            address(out),
-            address(energy) if energies else None,
-        )
+            self._sim, address(rows), len(rows), address(pick), len(pick), address(out), address(energy) if energies else None
+        )  # fmt: skip
         return Code(code), out, energy
 
     def energies_of(self, row: Array) -> Array:

@@ -208,7 +208,7 @@ class Trials:
                     self._known[trial.effects] = trial
                     if tell is not None:
                         tell(number + 1, len(new))
-            except KeyboardInterrupt:
+            except BaseException:
                 self.ended.set()
                 pool.shutdown(wait=False, cancel_futures=True)
                 raise
