@@ -76,6 +76,7 @@ class Campbell(metaclass=Tidy):
         ]
         return "\n".join([head, *rows])
 
+    @by_name_only
     def plot(self, path: Any = None) -> Figure:
         """Frequencies, order lines and crossings over the speed in rpm; saved to `path` where given."""
 

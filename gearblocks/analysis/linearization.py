@@ -133,7 +133,7 @@ class Linearization(metaclass=Tidy):
 @by_name_only
 def linearize(
     train: Drivetrain | Model, at: OperatingPoint = "static", *,
-    inputs: Sequence[str] | Mapping[str, InputSource] | None = None, outputs: str | Sequence[str] = "*",
+    inputs: str | Sequence[str] | Mapping[str, InputSource] | None = None, outputs: str | Sequence[str] = "*",
     t: float | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> Linearization:  # fmt: skip
     """The state matrices of a train at a point.
@@ -152,7 +152,13 @@ def linearize(
         columns, pick = _outputs(point, outputs)
         A = _with_angles(point, columns)
         C = _output_matrix(point, columns, pick, A)
-        names = [x.name for x in program.inputs] if inputs is None else list(inputs)
+        names = (
+            [x.name for x in program.inputs]
+            if inputs is None
+            else [inputs]
+            if isinstance(inputs, str)
+            else list(inputs)
+        )
         B, D = _inputs(point, names, columns, pick)
         small = reduction(point, len(columns))
         if small is not None:
@@ -323,6 +329,7 @@ class FrequencyResponse(metaclass=Tidy):
             f"<FrequencyResponse of '{self.name}' to {self.input} at {len(self.frequencies)} frequencies: {listed}>"
         )
 
+    @by_name_only
     def plot(self, path: Any = None) -> Figure:
         """Magnitude and phase over the frequency in Hz (Bode); saved to `path` where given."""
 

@@ -127,9 +127,9 @@ class Modes(metaclass=Tidy):
         ]
         return "\n".join([head, *(line.rstrip() for line in lines), *tail])
 
+    @by_name_only
     def plot(self, path: Any = None, *, most: int = 6) -> Figure:
         """Shapes and strain energies of the first modes that swing; saved to `path` where given."""
-
         return shapes(self, path, most)
 
 

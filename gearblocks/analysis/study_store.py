@@ -10,13 +10,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import StorageError
+from gearblocks.files import as_path
 
 if TYPE_CHECKING:
     from gearblocks.analysis.study_point import Measured
@@ -26,7 +26,8 @@ _WORDS = 400  # bytes of a message
 
 
 def needs_zarr(path: str | os.PathLike[str]) -> Any:
-    """The package zarr. Raises StorageError where it is not installed."""
+    """The package zarr, for what is a path. Raises StorageError where it is not installed."""
+    as_path(path)
     try:
         import zarr
     except ImportError:
@@ -39,7 +40,7 @@ class StudyStore:
     """An open store. chunk: how many points are written together; done: which points are, shape (points,)."""
 
     def __init__(self, path: str | os.PathLike[str], group: Any) -> None:
-        self.path, self._group = Path(path), group
+        self.path, self._group = as_path(path), group
         self.chunk = int(group["done"].chunks[0])
         self.done: NDArray[np.bool_] = group["done"][:].astype(np.bool_)
 
@@ -47,10 +48,10 @@ class StudyStore:
     def found(path: str | os.PathLike[str], identity: Mapping[str, str]) -> StudyStore | None:
         """The store at `path`, None where there is none. Raises StorageError where it holds another study."""
         zarr = needs_zarr(path)
-        if not Path(path).exists():
+        if not as_path(path).exists():
             return None
         try:
-            group = zarr.open_group(Path(path), mode="r+")
+            group = zarr.open_group(as_path(path), mode="r+")
             kept = dict(group.attrs)
             if "done" not in group and kept.get("format") == FORMAT:  # killed while it was made
                 return None
@@ -75,7 +76,7 @@ class StudyStore:
         """A new store. words: what the study is, for readers. Raises StorageError."""
         zarr = needs_zarr(path)
         try:
-            group = zarr.open_group(Path(path), mode="a")
+            group = zarr.open_group(as_path(path), mode="a")
             group.attrs.update({"format": FORMAT, "identity": dict(identity), "study": json.dumps(words)})
             group.create_array(
                 "values", shape=(points, width), chunks=(chunk, width), dtype="f8", fill_value=float("nan")

@@ -80,6 +80,7 @@ class Comparison:
         head = ("output", "of its size", "largest", "unit", "at")
         return small_table(" against ".join(self.titles), rows, head=head, numbers=(1, 2, 4))
 
+    @by_name_only
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Both runs over each other; saved to `path`. Raises StorageError."""
         units = {row.name: row.unit for row in self.rows}

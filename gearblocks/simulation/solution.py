@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.language.units import seconds
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.needs import Along, Needs, Solution
@@ -66,6 +66,7 @@ class Spectrum:
             f"{self.frequency[top]:.6g} Hz, lines {self.frequency[1]:.4g} Hz apart up to {self.frequency[-1]:.4g} Hz>"
         )
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Amplitudes but the mean over the frequency, up to where all of them are less than a hundredth of the largest; saved
         to `path` where given."""

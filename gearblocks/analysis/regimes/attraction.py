@@ -81,6 +81,7 @@ class Basins:
         listed = ", ".join(f"{one.label} {100 * one.share:.3g} %" for one in self.attractors)
         return f"<basins over {' x '.join(self.paths)}, {' x '.join(map(str, self.numbers.shape))}: {listed}>"
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """A colour for each attractor, with its points where the paths are outputs that were looked at; saved where a path is
         given."""

@@ -81,6 +81,7 @@ class Bifurcation:
             f"<{self.of} over {len(self.values)} values of {self.path}, {' and '.join(self.directions)}: {listed}>"
         )
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Points over the parameter, those of both directions; saved where a path is given."""
         from gearblocks.analysis.regimes.pictures import draw_bifurcation

@@ -123,6 +123,7 @@ class OrbitBranch:
         size = f"{len(self.values)} orbits of period {self.periods} over {self.path}, {int(self.stable.sum())} stable"
         return singular(f"<{size}; {listed or 'nothing marked'}; {self.ended}>")
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Root mean square of the output over the parameter, unstable orbits dashed, marks; saved where a path is given."""
         from gearblocks.analysis.regimes.response_pictures import draw_branch

@@ -111,6 +111,7 @@ class LyapunovExponents:
         more = ", ..." if self.logs.shape[1] > 4 else ""
         return singular(f"<exponents {listed}{more} 1/s over {len(self.logs)} periods>")
 
+    @by_name_only
     def plot(self, path: str | Path | None = None) -> Figure:
         """The history of the exponents over the periods; saved where a path is given."""
         from gearblocks.analysis.regimes.pictures import draw_history

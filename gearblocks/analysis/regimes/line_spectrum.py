@@ -53,6 +53,7 @@ class LineSpectrum:
         largest = f"{self.amplitude[top]:.6g} {self.unit} at {self.frequency[top]:.6g} Hz (order {self.order[top]:.6g})"
         return f"<lines of {self.of}, period {self.periods}: largest {largest}, right to {self.miss:.1e} of the swing>"
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Amplitudes but the mean over the order; saved where a path is given."""
         from gearblocks.analysis.regimes.order_pictures import draw_lines

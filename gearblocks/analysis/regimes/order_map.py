@@ -76,6 +76,7 @@ class OrderMap:
         span = f"{self.speed.min():.5g} .. {self.speed.max():.5g} {self.speed_unit}"
         return singular(f"<orders of {self.of} over {len(self.speed)} speeds, {span}: largest {listed}>")
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """The waterfall, and the largest orders over the speed; saved where a path is given."""
         from gearblocks.analysis.regimes.order_pictures import draw_orders

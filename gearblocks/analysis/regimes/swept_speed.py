@@ -78,6 +78,7 @@ class SpeedSweep:
             f"<{self.of} over {len(self.values)} values of {self.path}, up and down; jumps: {listed or 'none'}>"
         )
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Root mean square and peak-to-peak over the parameter, up and down, jumps marked; saved where a path is given."""
         from gearblocks.analysis.regimes.response_pictures import draw_sweep

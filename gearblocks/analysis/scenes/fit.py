@@ -19,11 +19,11 @@ from gearblocks.analysis.scenes.fit_result import Fit, Neighbour
 from gearblocks.analysis.scenes.neighbours import neighbours
 from gearblocks.analysis.scenes.price import MOST, priced
 from gearblocks.analysis.scenes.price_result import GAIN, Price, Row
-from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.scenes.scene import Scene, check_scene
 from gearblocks.analysis.scenes.trials import Judgement, Trial, Trials, Verdict
 from gearblocks.analysis.scenes.variants import members, parts
 from gearblocks.analysis.scenes.work_precision import work_precision_of
-from gearblocks.errors import GearblocksError, ParameterError, by_name_only
+from gearblocks.errors import GearblocksError, by_name_only
 
 Array = NDArray[np.float64]
 
@@ -42,8 +42,7 @@ def fit(scene: Scene, *, progress: Callable[[int, int], object] | None = None) -
 
     At most 40 trains are built. progress: as of `gb.price`. Raises what a run of the scene raises.
     """
-    if not isinstance(scene, Scene):
-        raise ParameterError(f"fit takes a gb.Scene, not {scene!r:.80}")
+    check_scene("fit", scene)
     trials = Trials(scene)
     prices = priced(trials, progress)
     if not prices.complete:

@@ -16,11 +16,11 @@ import numpy as np
 
 from gearblocks.analysis.scenes.influence import without_influence
 from gearblocks.analysis.scenes.price_result import Price, Row
-from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.scenes.scene import Scene, check_scene
 from gearblocks.analysis.scenes.trials import Judgement, Trial, Trials, Verdict
 from gearblocks.analysis.scenes.variants import Part, elements, parts
 from gearblocks.analysis.study_progress import progress as shown_progress
-from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.errors import by_name_only
 
 MOST = 40
 """Trains that a scene may take in all; each is built."""
@@ -38,8 +38,7 @@ def price(scene: Scene, *, progress: Callable[[int, int], object] | None = None)
     needed or undecided. progress: called with the trains that are built and run, and how many there are to be. Ctrl-C
     keeps the rows that are done (`complete` is False then). Raises what a run of the scene raises.
     """
-    if not isinstance(scene, Scene):
-        raise ParameterError(f"price takes a gb.Scene, not {scene!r:.80}")
+    check_scene("price", scene)
     return priced(Trials(scene), progress)
 
 

@@ -115,4 +115,13 @@ class Scene(metaclass=Tidy):
         return f"<Scene {self}>"
 
 
+def check_scene(function: str, scene: object) -> None:
+    """ParameterError where something else than a scene is given to a function."""
+    if not isinstance(scene, Scene):
+        such = "gb.Scene(train, t_end=0.5, quantity=gb.peak('mesh.force'))"
+        raise ParameterError(
+            f"{function} takes a gb.Scene, not {scene!r:.80}: ask something of the train, such as {such}"
+        )
+
+
 Scene.__init__ = by_name_only(Scene.__init__)  # type: ignore[method-assign]  # misspelt names are told with the near ones

@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.scenes.bench import Bench, Effort, Outcome, bench_of
 from gearblocks.analysis.scenes.reference import Reference, growth, mean_of, reference_of
-from gearblocks.analysis.scenes.scene import Scene
+from gearblocks.analysis.scenes.scene import Scene, check_scene
 from gearblocks.analysis.scenes.work_precision_points import Point, Verified
 from gearblocks.analysis.scenes.work_precision_result import WorkPrecision
 from gearblocks.errors import GearblocksWarning, ParameterError, SimulationError, by_name_only
+from gearblocks.language.expression import finite_number
 from gearblocks.simulation.records import Stats
 
 Array = NDArray[np.float64]
@@ -49,9 +50,8 @@ def work_precision(
     runs without their outputs. budget: CPU seconds for all runs together, about; what cannot pay is left out.
     progress: told in words what is being run.
     """
-    if not isinstance(scene, Scene):
-        raise ParameterError(f"work_precision asks for a gb.Scene, not for {scene!r:.80}")
-    if not budget > 0:
+    check_scene("work_precision", scene)
+    if finite_number("budget", budget) <= 0:
         raise ParameterError(f"budget = {budget!r} s must be > 0")
     return work_precision_of(bench_of(scene), budget, progress)
 

@@ -16,7 +16,7 @@ from gearblocks.analysis.scenes.bench import Effort
 from gearblocks.analysis.scenes.reference import Reference
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.scenes.work_precision_points import Point, Verified
-from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.files import as_path, write_text
 from gearblocks.pages import small_table
 from gearblocks.plurals import singular
@@ -243,6 +243,7 @@ class WorkPrecision:
             notes=[*self.notes, *self.sentence.splitlines()],
         )
 
+    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """CPU time against the error of each quantity; saved to `path` where given."""
         from gearblocks.analysis.scenes.work_precision_picture import picture

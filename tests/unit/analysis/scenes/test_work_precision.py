@@ -217,7 +217,7 @@ def test_where_the_motion_scatters_errors_are_those_of_means() -> None:
 
 @pytest.mark.long
 def test_what_cannot_be_answered_is_refused(scene: gb.Scene, found: WorkPrecision) -> None:
-    with pytest.raises(gb.ParameterError, match="asks for a gb"):
+    with pytest.raises(gb.ParameterError, match="takes a gb"):
         gb.work_precision(scene.drivetrain)  # type: ignore[arg-type]
     with pytest.raises(gb.ParameterError, match="budget = 0"):
         gb.work_precision(scene, budget=0)
