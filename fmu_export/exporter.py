@@ -28,6 +28,7 @@ from gearblocks.errors import ParameterError, by_name_only, warn
 from gearblocks.files import as_path
 from gearblocks.language.units import seconds
 from gearblocks.model.following_starts import numbers_of_their_own
+from gearblocks.pages import legible_width
 from gearblocks.simulation.arguments import duration
 from gearblocks.simulation.plausibility import warn_of_parameters
 from gearblocks.solver.library import Model
@@ -183,6 +184,7 @@ def _documentation(
         "documentation.html.jinja",
         name=program.name,
         drawing="" if drawing is None else drawing.text,
+        least=0 if drawing is None else legible_width(drawing.text),
         n_states=program.n,
         n_switches=len(program.switches),
         steps=f"{solver.method}, {control}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Sequence
 from typing import Any, final
 
@@ -45,3 +46,13 @@ class Lines(str):
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         printer.text("..." if cycle else str(self))
+
+
+_LEGIBLE = 0.75
+"""Of its width, that a drawing keeps on a telephone: it is moved aside there."""
+
+
+def legible_width(drawing: str) -> int:
+    """The least width [px] at which the drawing in an SVG text is shown; 0 where there is none."""
+    width = re.search(r'<svg [^>]*?width="([\d.]+)"', drawing)
+    return round(_LEGIBLE * float(width[1])) if width else 0

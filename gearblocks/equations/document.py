@@ -19,11 +19,10 @@ from gearblocks.equations.names import Name
 from gearblocks.equations.nodes import Node
 from gearblocks.equations.nomenclature import Entry
 from gearblocks.language.signals import Table
-from gearblocks.pages import FRAGMENT, page
+from gearblocks.pages import FRAGMENT, legible_width, page
 
 WIDTH = 100
 """Characters in a line of text."""
-_LEGIBLE = 0.75  # of its width, that a drawing keeps on a telephone: it is moved aside there
 PAGE = 20
 """Lines of LaTeX that a page keeps together."""
 
@@ -194,9 +193,13 @@ class Document:
                 rows.append({"pieces": shown, "number": number if line.left is not None else None})
             sections.append({"heading": section.heading.replace(" = ", "\xa0=\xa0"), "rows": rows})
         rows = self.nomenclature.rows()
-        width = re.search(r'<svg [^>]*?width="([\d.]+)"', drawing)
-        least = round(_LEGIBLE * float(width[1])) if width else 0
-        values = {"title": self.title, "sections": sections, "rows": rows, "drawing": drawing, "least": least}
+        values = {
+            "title": self.title,
+            "sections": sections,
+            "rows": rows,
+            "drawing": drawing,
+            "least": legible_width(drawing),
+        }
         return page("gearblocks.equations", "equations.html.jinja", **values, **frame)
 
     def _repr_html_(self) -> str:

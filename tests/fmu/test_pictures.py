@@ -24,6 +24,10 @@ def test_the_fmu_of_a_train_shows_its_scheme(tmp_path: Path) -> None:
         page, icon = archive.read("documentation/index.html").decode(), archive.read("model.png")
     assert str(rig.draw()) in page and icon.startswith(b"\x89PNG")
     assert '<div class="wide">\n<table>' in page and ".wide { overflow-x: auto; }" in page
+    width = float(str(rig.draw()).split('width="')[1].split('"')[0])
+    assert (
+        f'<div class="wide" style="--least: {round(0.75 * width)}px"><svg' in page
+    )  # on a telephone it is moved aside
     assert "overflow-wrap: break-word" in page and "0.5rem 100% no-repeat scroll" in page  # the hint that it goes on
 
 
