@@ -24,11 +24,11 @@ from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
 from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import row_in_si
+from gearblocks.model.value_rules import check_bounds
 from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import (
     InputSource,
-    checked,
     listed,
     picked_outputs,
     resolve,
@@ -291,7 +291,7 @@ def _moved_parameter(point: Point, i: int, columns: Indices, pick: list[int]) ->
     step = 6e-6 * (abs(value) or 1.0)
     found = []
     for sign in (1, -1):
-        checked(info.path, value + sign * step, info.unit, info.lower, info.upper)
+        check_bounds(info, value + sign * step)
         point.sim.parameters[i] = value + sign * step
         restarted(point)
         found.append(_seen(point, columns, pick))

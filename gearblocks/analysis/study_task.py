@@ -22,10 +22,10 @@ from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
 from gearblocks.language.expression import finite_number
 from gearblocks.language.signals import Table
 from gearblocks.language.starts import is_rolling, values_of
+from gearblocks.model.value_rules import check_rows
 from gearblocks.simulation.arguments import (
     begin_of,
     check_jacobian,
-    checked,
     in_given_unit,
     is_static,
     method_options,
@@ -73,10 +73,11 @@ def task_of(
     measures = measures_of(quantity, "a study needs")
     window = _window(s)
     options = _options(s, window)
-    base = parameter_vector(model, s.parameters or {}, s.initial)
     axes = tuple(_axis(model, path, s.initial, fields) for path in design.paths)
+    varied = [axis.offset for axis in axes if axis.kind == "parameter"]
+    base = parameter_vector(model, s.parameters or {}, s.initial, later=varied)
     points = points_in_si(axes, design.points)
-    _check_axes(model, points, axes, s)
+    _check_axes(model, points, axes, s, base)
     arguments: dict[str, Any] = {
         "t_start": s.t_start, "method": "rk4" if s.steps_per_period else s.method, "rtol": s.rtol, "step": s.step,
         "max_step": s.max_step, "locate": s.locate,
@@ -210,8 +211,8 @@ def _structural(path: str) -> ParameterError:
     return ParameterError(f"'{path}' is structural: make one study for each rig.set({{'{path}': ...}})")
 
 
-def _check_axes(model: Model, points: Array, axes: Sequence[Axis], s: Settings) -> None:
-    """Every value against the bounds of its parameter; nothing is given twice."""
+def _check_axes(model: Model, points: Array, axes: Sequence[Axis], s: Settings, base: Array) -> None:
+    """Every value against the rules of its parameter and its block; nothing is given twice."""
     program = model.program
     fixed = {
         "parameter": {program.parameters[resolve(p, program.parameter_numbers, "parameter")].path for p in s.parameters or {}},
@@ -221,11 +222,7 @@ def _check_axes(model: Model, points: Array, axes: Sequence[Axis], s: Settings) 
     for i, axis in enumerate(axes):
         if axis.path in fixed[axis.kind] or axis in axes[:i]:
             raise ParameterError(f"'{axis.path}' is given twice: once to vary, once fixed or under another name")
-        low, high = float(points[:, i].min()), float(points[:, i].max())
-        for value in (low, high):
-            if axis.kind == "parameter":
-                p = program.parameters[axis.offset]
-                checked(p.path, value, p.unit, p.lower, p.upper, p.open_lower, p.open_upper)
+    check_rows(model, base, {axis.offset: points[:, i] for i, axis in enumerate(axes) if axis.kind == "parameter"})
     if is_static(s.initial) and any(axis.kind == "start" for axis in axes):
         raise ParameterError(f"initial = {s.initial!r} and start values that vary exclude each other")
 

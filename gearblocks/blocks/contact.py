@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from gearblocks.blocks.effects import Backlash, HuntCrossley, Superposition
+from gearblocks.blocks.effects import Backlash, Fourier, HuntCrossley, Superposition
 from gearblocks.blocks.play import Play
 from gearblocks.language.contributions import Acts, Contribution, Energy, Force, Hold, Rate, Shows, Switch
 
@@ -68,7 +68,9 @@ def damping_problems(block: Any) -> Iterator[str]:
 def variation_problems(block: Any) -> Iterator[str]:
     """A stiffness that its variation takes below 0 in part of the cycle."""
     variation = block.stiffness_variation
-    least = 0.0 if variation is None else variation.least()
+    if variation is None or (isinstance(variation, Fourier) and variation.amplitudes() <= 1):
+        return
+    least = variation.least()
     if least < -1 - 1e-12:
         yield (
             f"stiffness_variation: in part of its cycle the stiffness is {1 + least:.3g} times k, below 0, and pushes the "

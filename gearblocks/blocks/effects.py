@@ -68,6 +68,10 @@ class Fourier(Effect):
         waves = np.exp(1j * np.outer(theta, np.arange(-order, order + 1)))
         return float((waves @ total).real.min()) if order else 0.0
 
+    def amplitudes(self) -> float:
+        """The sum of the sizes of all coefficients, which the sum of the waves never passes."""
+        return sum(abs(constant_value(x)) for x in (*self.cos, *self.sin))
+
 
 class Harmonic(Fourier):
     """Transmission error e = sum_j cos[j] cos(j theta) + sin[j] sin(j theta) in m; theta as for `Fourier`.

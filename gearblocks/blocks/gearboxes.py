@@ -48,6 +48,7 @@ class Gearbox(Block):
         le=1,
         belongs_to="loss",
         each=("efficiency where a drives", "efficiency where b drives"),
+        positive=(0,),
     )
     bearing: tuple[float, float] | None = param(
         "bearing torques at a (a drives, b drives)",

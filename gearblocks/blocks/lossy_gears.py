@@ -56,6 +56,7 @@ class LossyGear(Block):
         le=1,
         belongs_to="loss",
         each=("efficiency where a drives", "efficiency where b drives"),
+        positive=(0,),
     )
     bearing: tuple[float, float] | None = param(
         "bearing torques at a (a drives, b drives)",

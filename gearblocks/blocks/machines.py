@@ -33,7 +33,7 @@ class EddyCurrentBrake(Block):
     housing = Flange("housing", ground=True, slider=None)
     tau_nominal: Value = param("largest torque", "N m", ge=0, symbol="T_nom")
     w_nominal: Value = param("speed of the largest torque", "rad/s", gt=0, symbol="omega_nom")
-    excitation: Signal = signal("factor on the torque", default=1.0, symbol="u")
+    excitation: Signal = signal("factor on the torque", default=1.0, ge=0, symbol="u", why=": a brake does not drive")
     alpha: Value | None = param(
         "temperature coefficient of the resistance at T_ref", "1/K", default=None, belongs_to="heat"
     )
@@ -47,9 +47,7 @@ class EddyCurrentBrake(Block):
     heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
-        """An excitation that would drive."""
-        if isinstance(self.excitation, (int, float)) and self.excitation < 0:
-            yield f"excitation = {self.excitation!r} must be >= 0: a brake does not drive"
+        """What belongs to a temperature that it has not."""
         if self.alpha is not None and self.heat is None:
             yield f"alpha = {self.alpha!r} needs the temperature: give heat=gb.HeatPort(T=...)"
         if self.T_ref is not None and self.alpha is None:

@@ -54,7 +54,7 @@ class NonCircularGear(Block):
     filtered_rate = State("its rate", "rad/s", symbol="omega_f")
     start_angle = State("F of the phase at the start", "rad", symbol="F_0")
     k: Signal | None = signal(
-        "stiffness about b, also over gb.driver_angle", "N m/rad", default=None,
+        "stiffness about b, also over gb.driver_angle", "N m/rad", default=None, gt=0,
         belongs_to="compliance", over="driver_angle",
     )  # fmt: skip
     c: Value | None = param("damping about b", "N m s/rad", default=None, ge=0, belongs_to="damping")
@@ -78,8 +78,6 @@ class NonCircularGear(Block):
             yield f"law = {self.law!r:.80} must be a gb.RatioLaw, such as gb.RatioLaw.ellipse(e=0.3)"
         if not isinstance(self.external, bool):
             yield f"external = {self.external!r} must be True or False"
-        if isinstance(self.k, (int, float)) and self.k <= 0:
-            yield f"k = {self.k!r} N m/rad must be > 0"
         if self.filter is not None and self.phase is None:
             yield "filter is that of a phase; give one"
         if self.damping_ratio is not None and not isinstance(self.k, (int, float, Parameter)):

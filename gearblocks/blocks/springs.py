@@ -40,7 +40,10 @@ class Shaft(Block):
     """
 
     a, b = Flange("left end", slider=None), Flange("right end", slider=None)
-    k: Signal | None = signal("torsional stiffness", "N m/rad", default=None, belongs_to="compliance")
+    k: Signal | None = signal(
+        "torsional stiffness", "N m/rad", default=None, gt=0, belongs_to="compliance", unless="allow_negative",
+        why=" (or give allow_negative=True)",
+    )  # fmt: skip
     torque: Signal | None = signal(
         "restoring torque over gb.twist", "N m", default=None, belongs_to="compliance", over="twist", symbol="M"
     )
@@ -69,8 +72,6 @@ class Shaft(Block):
             yield "the stiffness is missing: give k or torque (or rigid=True)"
         if self.rigid and any(x is not None for x in (self.k, self.torque, self.c, self.damping_ratio)):
             yield "a rigid shaft has no k, torque, c or damping_ratio"
-        if isinstance(self.k, (int, float)) and self.k <= 0 and not self.allow_negative:
-            yield f"k = {self.k!r} N m/rad must be > 0 (or give allow_negative=True)"
         if self.rigid and self.rest is not None:
             yield "a rigid shaft has no rest: it keeps the angle between its ends as it is"
         if (self.J is not None or self.segments != 1) and (given := self._of_one_spring()):

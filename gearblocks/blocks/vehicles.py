@@ -28,8 +28,11 @@ WIND: Any = signal(
     "speed of the air along the road, > 0 from behind", "m/s", default=None, over="distance", symbol="v_w"
 )
 GRADE: Any = signal(
-    "angle of the slope, over time or gb.distance", "rad", default=None, over="distance", symbol="alpha"
-)
+    "angle of the slope, over time or gb.distance", "rad", default=None, gt=-1.5, lt=1.5, over="distance", symbol="alpha",
+    why=": it is an angle in rad",
+)  # fmt: skip
+
+_NO_SLIP = ": a wheel without it has no slip; leave the tyre out"
 
 
 class TyreSlip(Effect):
@@ -90,7 +93,7 @@ class Vehicle(Block):
     heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
-        """A slope that no road has, and a rolling speed without rolling resistance."""
+        """A rolling speed without rolling resistance, and wind without drag."""
         yield from _road_problems(self)
 
     def would_show(self, effect: str) -> Iterator[Watch]:
@@ -170,7 +173,7 @@ class Chassis(Block):
     heat: HeatPort | None = HEAT
 
     def problems(self) -> Iterator[str]:
-        """A slope that no road has, and a rolling speed without rolling resistance."""
+        """A rolling speed without rolling resistance, and wind without drag."""
         yield from _road_problems(self)
 
     def physics(self, s: Any) -> Iterator[Contribution]:
@@ -213,17 +216,11 @@ class Tyre(Block):
     vehicle = Flange("vehicle", slider=True)
     radius: Value = param("rolling radius", "m", gt=0)
     stiffness: Value = param("force per slip at small slip", "N", gt=0)
-    grip: Signal = signal("largest force over normal force", ge=0, symbol="mu")
+    grip: Signal = signal("largest force over normal force", gt=0, symbol="mu", why=_NO_SLIP)
     low_speed: Value = param("speed below which the slip is viscous", "m/s", gt=0, symbol="v_0")
-    normal_force: Signal = signal("load on the road", "N", ge=0, symbol="F_z")
+    normal_force: Signal = signal("load on the road", "N", gt=0, symbol="F_z", why=_NO_SLIP)
     shape: Value = param("shape factor C", default=1.0, ge=1, le=2, symbol="C")
     heat: HeatPort | None = HEAT
-
-    def problems(self) -> Iterator[str]:
-        """A wheel without load or without grip."""
-        for name in ("grip", "normal_force"):
-            if getattr(self, name) == 0:
-                yield f"{name} = 0 must be > 0: a wheel without it has no slip; leave the tyre out"
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The force through the slip; what slips is lost."""
@@ -241,9 +238,7 @@ class Tyre(Block):
 
 
 def _road_problems(block: Any) -> Iterator[str]:
-    """A slope that no road has, and a rolling speed without rolling resistance."""
-    if isinstance(block.grade, (int, float)) and abs(block.grade) >= 1.5:
-        yield f"grade = {block.grade!r} rad must be within +-1.5: it is an angle in rad"
+    """A rolling speed without rolling resistance, and wind without drag."""
     if block.rolling_speed is not None and block.rolling is None:
         yield "rolling_speed needs rolling, the coefficient of rolling resistance"
     if block.wind is not None and block.drag_area is None:

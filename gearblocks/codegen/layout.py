@@ -159,7 +159,9 @@ def _add(lay: Layout, path: str, spec: Field, *, tunable: bool, start: str = "",
     lower, upper = (spec.gt if open_lower else spec.ge), (spec.lt if open_upper else spec.le)
     lay.path_of[path] = len(lay.parameters)
     lay.parameters.append(
-        ParameterInfo(path, spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper, given_in)
+        ParameterInfo(
+            path, spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper, given_in, spec.why
+        )
     )
     return len(lay.parameters) - 1
 

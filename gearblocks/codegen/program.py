@@ -26,6 +26,7 @@ class ParameterInfo(NamedTuple):
 
     start: what a start value is of: "angle" or "speed" of a shaft, or "state" of a block. open_lower, open_upper: the
     bound itself is no value of it (> lower, < upper). given_in: the unit that values are given in, where that is none of SI.
+    why: what is said behind a bound that is broken.
     """
 
     path: str
@@ -38,6 +39,7 @@ class ParameterInfo(NamedTuple):
     open_lower: bool = False
     open_upper: bool = False
     given_in: str = ""
+    why: str = ""
 
 
 class InputInfo(NamedTuple):

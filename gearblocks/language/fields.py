@@ -6,7 +6,7 @@ What a field means is declared here, never read off its name. Knows nothing of b
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -50,7 +50,9 @@ class Field:
     of its numbers one by one, or one text for all with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: in the unit of
     the deflection that an effect is of: a length, or an angle where the field for the effect says so (turns). or_one_of:
     fields one of which must be given where this one is not. part: the output of another part ("T") that a text in the field,
-    the name of that part, stands for. symbol: that of printed equations, spelled as "T_C" or "omega_0".
+    the name of that part, stands for. symbol: that of printed equations, spelled as "T_C" or "omega_0". unless: the option
+    that, where it is True, lifts the bounds. why: what is said behind a bound that is broken: its reason, or another way out.
+    positive: of a row, the numbers that are > 0.
     """
 
     words: str
@@ -75,6 +77,9 @@ class Field:
     turns: bool = False
     part: str = ""
     symbol: str = ""
+    unless: str = ""
+    why: str = ""
+    positive: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         if self.unit != "1":
@@ -84,13 +89,22 @@ class Field:
         """The declaration of number i of a row."""
         words = self.each[i] if i < len(self.each) else (self.each or (self.words,))[0]
         unit = self.unit if "^-i" not in self.unit else unit_of_entry(self.unit, i)
-        if (words, unit) == (self.words, self.unit):
+        if (words, unit) == (self.words, self.unit) and i not in self.positive:
             return self
-        return replace(self, unit=unit, words=words.replace("{n}", str(i + 1)).replace("{odd}", str(2 * i + 1)))
+        least = 0.0 if i in self.positive else self.gt
+        return replace(
+            self, unit=unit, gt=least, words=words.replace("{n}", str(i + 1)).replace("{odd}", str(2 * i + 1))
+        )
 
     def along(self, other: Field) -> Field:
         """The declaration of a field of the effect that stands in this one."""
         return replace(other, unit="rad") if self.turns and other.of_deflection else other
+
+    def binding(self, values: Mapping[str, Any]) -> Field:
+        """The declaration as it binds an owner with these values: without bounds where its option lifts them."""
+        return (
+            replace(self, gt=None, ge=None, lt=None, le=None) if self.unless and values[self.unless] is True else self
+        )
 
     @property
     def required(self) -> bool:
@@ -102,7 +116,7 @@ def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
     start: str | None = None, leading: int | None = None, usual: float | None = None, each: tuple[str, ...] = (),
-    of_deflection: bool = False, or_one_of: tuple[str, ...] = (), symbol: str = "",
+    of_deflection: bool = False, or_one_of: tuple[str, ...] = (), symbol: str = "", positive: tuple[int, ...] = (),
 ) -> Any:  # fmt: skip
     """A number in SI units; a `Parameter` may stand for it. Bounds: gt (>), ge (>=), lt (<), le (<=).
 
@@ -112,7 +126,7 @@ def param(
     usual: the largest size that one expects; above it rig.describe() asks whether it is meant. each: words of the numbers of
     a row one by one, or one text with {n} (1, 2, ...) or {odd} (1, 3, ...). of_deflection: of an effect, a length that is an
     angle where the deflection is one (see `effect`). or_one_of: fields one of which must be given where this one is not.
-    symbol: that of printed equations, as "T_C" or "omega_0"; else its name.
+    symbol: that of printed equations, as "T_C" or "omega_0"; else its name. positive: which numbers of a row are > 0.
     """
     known = (None, ANGLE, SPEED, RELATIVE_ANGLE, RELATIVE_SPEED, ACCELERATION)
     if start not in known or (start is not None and many):
@@ -135,6 +149,7 @@ def param(
         of_deflection=of_deflection,
         or_one_of=or_one_of,
         symbol=symbol,
+        positive=positive,
     )
 
 
@@ -159,16 +174,21 @@ def option(
 
 
 def signal(
-    words: str, unit: str = "1", *, default: Any = _REQUIRED, ge: float | None = None, belongs_to: str | None = None,
-    over: str | None = None, part: str = "", symbol: str = "",
+    words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
+    lt: float | None = None, belongs_to: str | None = None, over: str | None = None, part: str = "", symbol: str = "",
+    unless: str = "", why: str = "",
 ) -> Any:  # fmt: skip
     """A number, Parameter, Input, Table over time or expression (see gb.time, gb.sense), by sympy too.
 
-    ge: the least value of a number or Parameter; what varies is not judged. over: a quantity of the block that may stand
+    gt (>), ge (>=), lt (<): bounds of a number or Parameter; what varies is not judged. unless: the option that, where it is
+    True, lifts them. why: said behind a bound that is broken. over: a quantity of the block that may stand
     in it too, see Symbols.local; a Table then goes over that quantity. part: an output, such as "T": a text is the name of the
     part of the train that shows it. symbol: that of printed equations.
     """
-    return Field(words, unit, "signal", default, ge=ge, belongs_to=belongs_to, over=over, part=part, symbol=symbol)
+    return Field(
+        words, unit, "signal", default, gt, ge, lt, belongs_to=belongs_to, over=over, part=part, symbol=symbol,
+        unless=unless, why=why,
+    )  # fmt: skip
 
 
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None, turns: bool = False) -> Any:

@@ -252,7 +252,7 @@ class Symbols:
                 setattr(self, name, value)
             else:
                 setattr(self, name, self._value(name, field.role, value))
-                if field.role == "exact" or (field.gt is not None and field.gt >= 0):
+                if field.role == "exact" or (field.gt is not None and field.gt >= 0 and not field.unless):
                     pool.nonzero.add(prefix + name)
                 if field.start is not None:
                     pool.starts.add(prefix + name)

@@ -25,6 +25,7 @@ from gearblocks.solver.cache import digest, user_cache
 from gearblocks.solver.library import Model, compile_program, core_identity, start_core_build
 from gearblocks.train.expression_depth import refused_where_too_deep
 from gearblocks.train.graph import GROUND, Train, Tree, flatten
+from gearblocks.train.rules import Rules
 from gearblocks.train.structure import structural_text, structure_of
 from gearblocks.train.values import leaves_of, numbers_of
 
@@ -80,7 +81,7 @@ def _build(train: Train) -> Model:
     program, values = _program(train, start_core_build)
     start = np.array([values.get(p.path, 0.0) for p in program.parameters])
     start.setflags(write=False)
-    model = Model(program, compile_program(program), start)
+    model = Model(program, compile_program(program), start, rules=Rules(train.components))
     fit_prescribed(model, train)
     fit_lossy(model, train)
     fit_accelerations(model, train)

@@ -21,6 +21,7 @@ from gearblocks.language.starts import ROLLING, Rolling, is_rolling
 from gearblocks.language.units import has_unit, number_in_si, parse_unit, seconds
 from gearblocks.model.following_starts import followed
 from gearblocks.model.listing import matches, near_patterns
+from gearblocks.model.value_rules import check_numbers
 from gearblocks.simulation.input_series import TimeSeries, table_of_series
 from gearblocks.simulation.records import NamedValues
 from gearblocks.simulation.trajectory import Trajectory
@@ -196,16 +197,18 @@ def check_start(name: str, start: Any) -> None:
 
 
 def parameter_vector(
-    model: Model, changed: Mapping[str, float | str], initial: Any, values: Array | None = None
-) -> Array:
+    model: Model, changed: Mapping[str, float | str], initial: Any, values: Array | None = None,
+    later: Collection[int] = (),
+) -> Array:  # fmt: skip
     """The parameter vector (values: instead of that of the model) with changed parameters and start values, not to be written
-    to. Start values follow the Parameters that they are given by, but for those that are given here; those of a rolling start
-    are found later (rolling.py)."""
+    to. later: offsets of parameters that will vary, which are checked then. Start values follow the Parameters that they are
+    given by, but for those that are given here; those of a rolling start are found later (rolling.py)."""
     program, values = model.program, model.values if values is None else values
     if not changed and initial is None and isinstance(changed, dict):
         return values
     result = np.array(values)
     names, structural = program.parameter_numbers, program.structural_paths
+    given: list[int] = []
     if isinstance(initial, Trajectory):
         before = initial.meta.get("parameters", {})
         if isinstance(before, NamedValues) and before.numbers is names:
@@ -214,7 +217,7 @@ def parameter_vector(
             for path, value in dict(before).items():
                 if path in names:
                     result[names[path]] = value
-    given: list[int] = []
+            given += np.flatnonzero(result != values).tolist()
     for path, value in by_name("parameters", changed).items():
         i = _number_of_parameter(model, path)
         info = program.parameters[i]
@@ -222,9 +225,10 @@ def parameter_vector(
             raise ParameterError(
                 f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)"
             )
-        bounds = (info.lower, info.upper, info.open_lower, info.open_upper)
-        result[i] = checked(info.path, number_of(info.path, value, info), info.unit, *bounds)
+        result[i] = finite_number(info.path, number_of(info.path, value, info))
         given.append(i)
+    if given:
+        check_numbers(model, result, given, later)
     if any(program.parameters[i].path in model.start_parameters for i in given):
         result = with_followed(model, result, given)
     check_start("initial", initial)
@@ -289,7 +293,7 @@ def _initial(model: Model, result: Array, initial: Mapping[str, float | str]) ->
     given: dict[int, tuple[str, float]] = {}
     for name, value in initial.items():
         info = program.starts[_number_of_start(program, name)]
-        number = checked(info.name, start_number(program, info.name, value), "", None, None) * info.factor
+        number = finite_number(info.name, start_number(program, info.name, value)) * info.factor
         of = program.parameters[info.offset]
         if model.start_parameters.get(of.path, 1) > 1 and abs(number - result[info.offset]) > 1e-12 * abs(number):
             raise ParameterError(
@@ -331,20 +335,6 @@ def start_number(program: Program, name: str, value: Any) -> Any:
     return number_in_si(name, value, program.output_units.get(name, "1")) if has_unit(value) else value
 
 
-def checked(
-    name: str, value: float, unit: str, lower: float | None, upper: float | None,
-    open_lower: bool = False, open_upper: bool = False,
-) -> float:  # fmt: skip
-    """A finite number within its bounds, which an open one leaves out, or ParameterError by name."""
-    number = finite_number(name, value)
-    words = f"{name} = {number!r}{' ' + unit if unit not in ('', '1') else ''}"
-    if lower is not None and (number < lower or (open_lower and number == lower)):
-        raise ParameterError(f"{words} must be {'>' if open_lower else '>='} {lower:g}")
-    if upper is not None and (number > upper or (open_upper and number == upper)):
-        raise ParameterError(f"{words} must be {'<' if open_upper else '<='} {upper:g}")
-    return number
-
-
 def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSource]) -> None:
     if not program.inputs and not sources and isinstance(sources, dict):
         return
@@ -371,7 +361,7 @@ def set_inputs(sim: Simulation, program: Program, sources: Mapping[str, InputSou
         else:
             what = f"input '{info.name}'"
             _check_source(what, source)
-            sim.inputs[i] = checked(what, number_of(what, source, info), info.unit, None, None)
+            sim.inputs[i] = finite_number(what, number_of(what, source, info))
 
 
 def _answered(source: Callable[[float], float], t: float) -> float:

@@ -20,8 +20,9 @@ import numpy as np
 
 from gearblocks.codegen.program import UNKNOWN, GroupStart, ParameterInfo, Program, RigidRow
 from gearblocks.errors import ParameterError, SimulationError
+from gearblocks.language.expression import finite_number
 from gearblocks.language.starts import Rolling, is_rolling
-from gearblocks.simulation.arguments import checked, resolve, start_number
+from gearblocks.simulation.arguments import resolve, start_number
 from gearblocks.simulation.failures import reason
 from gearblocks.simulation.held_slips import Held, engaged, ties
 from gearblocks.simulation.rolling_rows import RowsTaken
@@ -122,7 +123,7 @@ def _named(model: Model, vector: Array, values: Mapping[str, float | str]) -> _G
     for name, value in values.items():
         i = resolve(name, {**names, **states}, "initial value")
         full = next(n for n, k in (*names.items(), *states.items()) if k == i)
-        number = checked(full, start_number(program, full, value), "", None, None)
+        number = finite_number(full, start_number(program, full, value))
         if i >= 2 * first:
             vector[i - 2 * first] = number
         else:

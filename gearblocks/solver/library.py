@@ -36,6 +36,7 @@ from gearblocks.solver.structures import Array
 from gearblocks.solver.variants import asked_flags
 from gearblocks.train.graph import Train, Tree
 from gearblocks.train.left_out import LeftOut
+from gearblocks.train.rules import Rules
 
 SOURCES = Path(__file__).parent / "c"
 METHOD_SOURCES = ("methods.py", "rosenbrock.py")
@@ -148,7 +149,7 @@ class Library:
 class Model(metaclass=Tidy):
     """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the
     train, where start values follow from Parameters, and how often each of those stands in it; tree: the composition, for
-    drawings; left_out: effects that its runs watch. Pickles keep neither of these two."""
+    drawings; left_out: effects that its runs watch; rules: those of its blocks. Pickles keep none of these three."""
 
     program: Program
     library: Library
@@ -157,6 +158,7 @@ class Model(metaclass=Tidy):
     start_parameters: Mapping[str, int] = field(default_factory=dict)
     tree: Tree | None = None
     left_out: LeftOut | None = None
+    rules: Rules | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Model, (self.program, self.library, self.values, self.starts, self.start_parameters)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -28,6 +28,8 @@ def numbers_of(owner: Any, prefix: str) -> Iterator[tuple[str, Any, Field]]:
     store = owner.__dict__
     for name, field in type(owner).fields.items():
         value = store[name]
+        if field.unless:
+            field = field.binding(store)
         if type(value) is float:
             if field.role not in ("option", "effect"):
                 yield prefix + name, value, field
@@ -64,13 +66,53 @@ def leaves_of(block: Any) -> Iterator[Parameter | Input]:
 def value_problems(path: str, block: Block) -> Iterator[str]:
     """Numbers that are not finite or out of bounds, and what the block itself finds wrong."""
     kind = f"{type(block).__name__} '{path}'"
-    found = [f"{kind}: {problem}" for problem in (*_field_problems(block, ""), *_temperature_problems(block))]
-    yield from found
-    if not found:
-        yield from (f"{kind}: {p}" for p in block.problems())
-        for name, part in block.__dict__.items():
-            if isinstance(part, Declared):
-                yield from (f"{kind}: {p if p.startswith(name) else f'{name}: {p}'}" for p in part.problems())
+    found = [*_field_problems(block, ""), *_temperature_problems(block)] or [*_own_problems(block)]
+    if not found and not is_plain(block):
+        found = [*_problems_of_numbers(block)]
+    yield from (f"{kind}: {problem}" for problem in found)
+
+
+def _own_problems(block: Block) -> Iterator[str]:
+    """What a block and its effects find wrong by themselves."""
+    yield from block.problems()
+    for name, part in block.__dict__.items():
+        if isinstance(part, Declared):
+            yield from (p if p.startswith(name) else f"{name}: {p}" for p in part.problems())
+
+
+def _problems_of_numbers(block: Block) -> Iterator[str]:
+    """What they find wrong with the numbers that the Parameters of the block stand for."""
+    numbers = with_values(block, "", lambda _, value: _number_of_constant(value))
+    if numbers is not block:
+        named = {x.name: x for x in leaves_of(block) if isinstance(x, Parameter)}.values()
+        told = ", ".join(f"{x.name} = {x.value!r}{'' if x.unit == '1' else f' {x.unit}'}" for x in named)
+        yield from (f"{problem} (where {told})" for problem in _own_problems(numbers))
+
+
+def _number_of_constant(value: Any) -> Any:
+    """The number that a Parameter or an expression of Parameters stands for; any other value as it is."""
+    constant = isinstance(value, Parameter) or (isinstance(value, Expr) and _is_constant(value))
+    return _constant(value) if constant else value
+
+
+def with_values(owner: Any, prefix: str, change: Callable[[str, Any], Any]) -> Any:
+    """A block or effect with other numbers, Parameters and signals. change: takes the path of each and what stands there, and
+    gives what takes its place; numbers of a row that follow from the first one keep their ratio to it."""
+    new: dict[str, Any] = {}
+    for name, field in type(owner).fields.items():
+        value = owner.__dict__[name]
+        if isinstance(value, Declared):
+            new[name] = with_values(value, f"{prefix}{name}.", change)
+        elif field.role not in ("param", "signal") or value is None or isinstance(value, str):
+            continue
+        elif isinstance(value, tuple):
+            row = [change(f"{prefix}{name}[{i}]", v) for i, v in enumerate(value[: field.leading])]
+            if any(a is not b for a, b in zip(row, value, strict=False)):
+                new[name] = (*row, *(v * row[0] / value[0] for v in value[len(row) :]))
+        else:
+            new[name] = change(prefix + name, value)
+    new = {name: value for name, value in new.items() if value is not owner.__dict__[name]}
+    return owner.changed(**new) if new else owner
 
 
 def _temperature_problems(block: Block) -> Iterator[str]:
@@ -113,7 +155,7 @@ def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
         elif field.many:
             yield from filter(None, (_problem(f"{prefix}{name}[{i}]", v, field.entry(i)) for i, v in enumerate(value)))
         elif not (isinstance(value, str) and value in (field.default, "angle")):  # the effect itself judges "angle"
-            problem = _problem(prefix + name, value, field)
+            problem = _problem(prefix + name, value, field.binding(owner.__dict__))
             if problem:
                 yield problem
 
@@ -164,7 +206,7 @@ def _problem(name: str, value: Any, field: Field) -> str:
         number, shown = _float(value), ""
     if not math.isfinite(number):
         return f"{name} = {number!r}{unit}{shown} must be a finite number"
-    problem = bound_problem(name, number, unit + shown, (field.gt, field.ge, field.lt, field.le))
+    problem = bound_problem(name, number, unit + shown, (field.gt, field.ge, field.lt, field.le), field.why)
     degrees = type(value) in (int, float) and field.unit == "rad" and 1.6 < abs(number) <= 360
     return (
         f"{problem}; a bare number is in rad: give '{number:g} deg' if that is meant"
@@ -232,8 +274,8 @@ def _signal_problem(name: str, value: Any, field: Field) -> str:
     )
 
 
-def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ...]) -> str:
-    """What is wrong with x against (gt, ge, lt, le), or the empty text."""
+def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ...], why: str = "") -> str:
+    """What is wrong with x against (gt, ge, lt, le), with the words behind it, or the empty text."""
     gt, ge, lt, le = bounds
     broken = [
         f"{sign} {limit:g}"
@@ -244,7 +286,7 @@ def bound_problem(name: str, x: float, unit: str, bounds: tuple[float | None, ..
     ]  # fmt: skip
     percent = f"; {x:g} % is {x / 100:g} or '{x:g} %'" if lt == 1 or le == 1 else ""
     percent = percent if 1 < x <= 100 and unit.strip() in ("", "1") else ""
-    return f"{name} = {x!r}{unit} must be {' and '.join(broken)}{percent}" if broken else ""
+    return f"{name} = {x!r}{unit} must be {' and '.join(broken)}{percent}{why}" if broken else ""
 
 
 def field_paths(owner: Declared) -> Iterator[str]:

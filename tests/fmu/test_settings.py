@@ -103,6 +103,7 @@ def _meshing() -> gb.Drivetrain:
         rig.add("shaft", gb.Lash(k=shared, c=1.0, half_gap=1e-4)),
         rig.add("ground", gb.Fixed()),
     )
+    rig.chain(rig["alone"], rig.add("spring", gb.Shaft(k=1.0e4)), rig.add("wall", gb.Fixed()))
     return rig
 
 
@@ -110,7 +111,7 @@ def test_an_open_bound_is_kept_open_and_a_closed_one_closed(pack: Callable[..., 
     """Refused by name, and the instance goes on; the description's limits belong to the values."""
     unpacked = pack(_meshing())
     described = {v.name: v for v in unpacked.description.modelVariables}
-    names = ("play.k", "stiffness", "alone.J")
+    names = ("play.k", "stiffness", "alone.J", "spring.k")
     with Instance(unpacked) as instance:
         instance.start()
         instance.step(0.0, 1e-3)
@@ -154,7 +155,8 @@ def test_an_inertia_that_alone_makes_a_shaft_heavy_is_open_and_one_beside_others
 
 
 @pytest.mark.parametrize(
-    ("path", "value", "words"), [("play.k", 0.0, "> 0"), ("stiffness", 0.0, "> 0"), ("alone.J", -1.0, ">= 0")]
+    ("path", "value", "words"),
+    [("play.k", 0.0, "> 0"), ("stiffness", 0.0, "> 0"), ("alone.J", -1.0, ">= 0"), ("spring.k", 0.0, "> 0 (or give")],
 )
 def test_values_on_an_open_bound_are_refused_in_process_and_by_the_export(
     path: str, value: float, words: str, tmp_path: Path

@@ -50,7 +50,10 @@ def _car(**changed: object) -> gb.Block:
         (lambda: gb.UniversalJoint(angle=NAN), "angle = nan rad must be a finite number"),
         (lambda: gb.EddyCurrentBrake(tau_nominal=-1.0, w_nominal=1.0), "tau_nominal = -1.0 N m must be >= 0"),
         (lambda: gb.EddyCurrentBrake(tau_nominal=1.0, w_nominal=0), "w_nominal = 0.0 rad/s must be > 0"),
-        (lambda: gb.EddyCurrentBrake(tau_nominal=1.0, w_nominal=1.0, excitation=-1), "excitation = -1 must be >= 0"),
+        (
+            lambda: gb.EddyCurrentBrake(tau_nominal=1.0, w_nominal=1.0, excitation=-1),
+            "excitation = -1.0 must be >= 0: a brake",
+        ),
         (
             lambda: gb.EddyCurrentBrake(tau_nominal=1.0, w_nominal=1.0, excitation=NAN),
             "excitation = nan must be a finite",
@@ -66,7 +69,7 @@ def _car(**changed: object) -> gb.Block:
         (lambda: _car(mass=0), "mass = 0.0 kg must be > 0"),
         (lambda: _car(drag_area=-1.0), "drag_area = -1.0 m2 must be >= 0"),
         (lambda: _car(grade=NAN), "grade = nan rad must be a finite number"),
-        (lambda: _car(grade=5), "grade = 5 rad must be within +-1.5"),
+        (lambda: _car(grade=5), "grade = 5.0 rad must be < 1.5: it is an angle in rad"),
         (lambda: _car(rolling_speed=0.1), "rolling_speed needs rolling"),
         (
             lambda: _car(tyre=gb.TyreSlip(stiffness=1.0, grip=1.0, low_speed=1.0, shape=3)),
