@@ -48,7 +48,8 @@ def simulate(
     what that costs); friction, stops and lossy gears then change at the ends of steps.
     inputs: by name a number, a `Table` over time, a pair (t, y) or a Series of pandas over time [s] (straight lines between
     the samples), or a function of time (called per stage: slow; a Table is fast).
-    parameters: other values by path ("mesh.k"), without recompiling. initial: start values by name ("motor.w",
+    parameters: other values by path ("mesh.k"), without recompiling; what a block refuses when it is built, it refuses here
+    too. initial: start values by name ("motor.w",
     "motor.phi", states of blocks), an earlier run to continue or a point of an orbit (`orbit.starts[0]` of
     `gb.periodic_orbit`), "rolling" or `gb.rolling({"motor.w": 300})` (the train turns as
     one piece), "static" (the equilibrium with every excitation by time at its mean, contact side from the load; absolute

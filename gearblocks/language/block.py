@@ -118,7 +118,11 @@ class Declared(metaclass=Documented):
         return type(self)(**{**self.__dict__, **values})
 
     def problems(self) -> Iterator[str]:
-        """Problems of the combination of values, each as one sentence without the block's name."""
+        """Problems of the combination of values, each as one sentence without the block's name.
+
+        Asked when the block joins a train, also with the numbers that its Parameters stand for, and again with those that a
+        run or a study gives.
+        """
         return iter(())
 
 

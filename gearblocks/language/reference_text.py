@@ -78,7 +78,7 @@ def _field(name: str, field: Field) -> tuple[str, ...]:
         f"{sign} {limit:g}"
         for sign, limit in ((">", field.gt), (">=", field.ge), ("<", field.lt), ("<=", field.le))
         if limit is not None
-    )
+    ) + (f" unless {field.unless}" if field.unless else "")
     default = "required" if field.required else _shown(field.default)
     return name, _KINDS[field.role], _unit(field.unit), default, bounds, field.words
 
