@@ -85,8 +85,8 @@ def task_of(
     if s.t is not None:
         arguments["t"] = s.t
     task = Task(
-        model, axes, base, measures, (), window, options, dict(with_tables(s.inputs)), s.initial, arguments,
-        steps_per_period=int(s.steps_per_period or 0), given_starts=_given_starts(model, s),
+        replace(model, rules=None), axes, base, measures, (), window, options, dict(with_tables(s.inputs)), s.initial,
+        arguments, steps_per_period=int(s.steps_per_period or 0), given_starts=_given_starts(model, s),
     )  # fmt: skip
     with model.library.open() as sim:
         set_inputs(sim, program, task.inputs)

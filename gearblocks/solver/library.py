@@ -149,7 +149,8 @@ class Library:
 class Model(metaclass=Tidy):
     """A train that is ready to run. values: start values of the parameters, in the order of `program.parameters`; starts: the
     train, where start values follow from Parameters, and how often each of those stands in it; tree: the composition, for
-    drawings; left_out: effects that its runs watch; rules: those of its blocks. Pickles keep none of these three."""
+    drawings; left_out: effects that its runs watch. Pickles keep neither of these two. rules: those of its blocks; pickles keep
+    those of a train of the catalogue."""
 
     program: Program
     library: Library
@@ -161,7 +162,8 @@ class Model(metaclass=Tidy):
     rules: Rules | None = None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Model, (self.program, self.library, self.values, self.starts, self.start_parameters)
+        rules = self.rules if self.rules is not None and self.rules.travels else None
+        return Model, (self.program, self.library, self.values, self.starts, self.start_parameters, None, None, rules)
 
     def __repr__(self) -> str:
         p = self.program

@@ -7,7 +7,7 @@ programs, nor of runs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -26,9 +26,17 @@ Given = Callable[[str], "float | None"]
 class Rules:
     """The rules of the blocks of a train."""
 
-    def __init__(self, components: Iterable[Component]) -> None:
+    def __init__(self, components: tuple[Component, ...]) -> None:
         self._components = components
         self._judging: dict[str, tuple[str, ...]] = {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Rules, (self._components,)
+
+    @property
+    def travels(self) -> bool:
+        """Whether other processes know the classes of all blocks: those of the catalogue."""
+        return all(type(c.block).__module__.startswith("gearblocks.") for c in self._components)
 
     @cached_property
     def _blocks(self) -> Mapping[str, Block]:

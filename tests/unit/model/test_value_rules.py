@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,12 @@ def test_values_that_fit_together_alone_are_taken(gapped: Model) -> None:
     assert np.isfinite(study.values).all()
     with pytest.raises(gb.ParameterError, match=r"lower = 0.5 rad must be <= upper = 0.1 rad"):
         _swept(gapped, {"two.J": [1.0, 2.0]}, parameters={"joint.lower": 0.5})
+
+
+def test_a_model_of_another_process_is_held_to_them_too(gapped: Model) -> None:
+    there = pickle.loads(pickle.dumps(gapped))
+    with pytest.raises(gb.ParameterError, match=r"lower = 0.5 rad must be <= upper = 0.1 rad"):
+        gb.simulate(there, t_end=1e-3, parameters={"joint.lower": 0.5})
 
 
 def test_each_set_of_values_is_asked_once(gapped: Model, monkeypatch: pytest.MonkeyPatch) -> None:
