@@ -151,6 +151,10 @@ class Angle(Block):
             yield from rate_problems("phi", self.phi, "w", self.w)
             yield from rate_problems("w", self.w, "alpha", self.alpha)
 
+    def number_problems(self) -> Iterator[str]:
+        """None: what belongs together are signals, over all time."""
+        return iter(())
+
     def physics(self, s: Any) -> Iterator[Contribution]:
         """phi_flange - phi_housing = phi, through the filter where there is one."""
         wanted, rates = s.phi, None

@@ -35,8 +35,8 @@ from gearblocks.language.watches import Excitation, Watch, beyond, excitations_b
 
 _TAKEN = {
     "brings", "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant",
-    "local", "named", "needed_by", "parts", "physics", "problems", "rate_of", "ratio_varies", "reading", "slope",
-    "states", "stick", "tabled", "time", "turned", "undeformed", "without_effect", "would_show", "beyond_tables",
+    "local", "named", "needed_by", "number_problems", "parts", "physics", "problems", "rate_of", "ratio_varies",
+    "reading", "slope", "states", "stick", "tabled", "time", "turned", "undeformed", "without_effect", "would_show", "beyond_tables",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
@@ -120,10 +120,14 @@ class Declared(metaclass=Documented):
     def problems(self) -> Iterator[str]:
         """Problems of the combination of values, each as one sentence without the block's name.
 
-        Asked when the block joins a train, also with the numbers that its Parameters stand for, and again with those that a
-        run or a study gives.
+        Asked when the block joins a train.
         """
         return iter(())
+
+    def number_problems(self) -> Iterator[str]:
+        """Those that other numbers may make: asked with the numbers that its Parameters stand for, and with those that a run
+        or a study gives. All of `problems()`, where a block does not say what of it goes without numbers."""
+        return self.problems()
 
 
 _BARE = frozenset((float, int, bool, type(None)))

@@ -76,7 +76,7 @@ class Rules:
 
     def problems(self, path: str, given: Given) -> Iterator[str]:
         """What a block finds wrong with the numbers that are given."""
-        yield from value_problems(path, _anew(self._blocks[path], path, given))
+        yield from value_problems(path, _anew(self._blocks[path], path, given), again=True)
 
 
 def _judges(block: Declared) -> bool:

@@ -63,21 +63,23 @@ def leaves_of(block: Any) -> Iterator[Parameter | Input]:
                     yield leaf.args[0]
 
 
-def value_problems(path: str, block: Block) -> Iterator[str]:
-    """Numbers that are not finite or out of bounds, and what the block itself finds wrong."""
+def value_problems(path: str, block: Block, *, again: bool = False) -> Iterator[str]:
+    """Numbers that are not finite or out of bounds, and what the block itself finds wrong; again: of a block that joined a
+    train with other numbers."""
     kind = f"{type(block).__name__} '{path}'"
-    found = [*_field_problems(block, ""), *_temperature_problems(block)] or [*_own_problems(block)]
+    found = [*_field_problems(block, ""), *_temperature_problems(block)] or [*_own_problems(block, again)]
     if not found and not is_plain(block):
         found = [*_problems_of_numbers(block)]
     yield from (f"{kind}: {problem}" for problem in found)
 
 
-def _own_problems(block: Block) -> Iterator[str]:
-    """What a block and its effects find wrong by themselves."""
-    yield from block.problems()
+def _own_problems(block: Block, again: bool) -> Iterator[str]:
+    """What a block and its effects find wrong by themselves, or of their numbers alone."""
+    yield from block.number_problems() if again else block.problems()
     for name, part in block.__dict__.items():
         if isinstance(part, Declared):
-            yield from (p if p.startswith(name) else f"{name}: {p}" for p in part.problems())
+            found = part.number_problems() if again else part.problems()
+            yield from (p if p.startswith(name) else f"{name}: {p}" for p in found)
 
 
 def _problems_of_numbers(block: Block) -> Iterator[str]:
@@ -86,7 +88,7 @@ def _problems_of_numbers(block: Block) -> Iterator[str]:
     if numbers is not block:
         named = {x.name: x for x in leaves_of(block) if isinstance(x, Parameter)}.values()
         told = ", ".join(f"{x.name} = {x.value!r}{'' if x.unit == '1' else f' {x.unit}'}" for x in named)
-        yield from (f"{problem} (where {told})" for problem in _own_problems(numbers))
+        yield from (f"{problem} (where {told})" for problem in _own_problems(numbers, again=True))
 
 
 def _number_of_constant(value: Any) -> Any:

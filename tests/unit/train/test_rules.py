@@ -190,6 +190,17 @@ def test_the_second_base_radius_follows_the_first() -> None:
     assert _said(model, {"b2.r_base[0]": -0.5}) == "b2.r_base[0] = -0.5 m must be > 0"
 
 
+def test_signals_over_all_time_are_asked_once() -> None:
+    """Whether w is the rate of phi takes integrals; a run with another amplitude does not wait for them."""
+    size = gb.Parameter("A", 1.0)
+    parts = {"phi": size * gb.sin(gb.time), "w": size * gb.cos(gb.time), "alpha": -1.0 * size * gb.sin(gb.time)}
+    model = model_of(_chain(gb.Angle(**parts), gb.Inertia(J=1.0)))
+    assert _said(model, {"A": 2.0}) == ""
+    assert [*gb.Angle(**parts).number_problems()] == []
+    with pytest.raises(gb.ModelError, match="w"):
+        _chain(gb.Angle(**{**parts, "w": gb.cos(2 * gb.time)}), gb.Inertia(J=1.0))
+
+
 class _Pair(gb.Block):
     """A block of a user, which relates two numbers."""
 
