@@ -36,7 +36,8 @@ from gearblocks.language.watches import Excitation, Watch, beyond, excitations_b
 _TAKEN = {
     "brings", "changed", "effects", "energy_of", "excitations", "fields", "flanges", "gives_way", "is_constant",
     "local", "named", "needed_by", "number_problems", "parts", "physics", "problems", "rate_of", "ratio_varies",
-    "reading", "slope", "states", "stick", "tabled", "time", "turned", "undeformed", "without_effect", "would_show", "beyond_tables",
+    "reading", "slope", "states", "stick", "tabled", "time", "turned", "undeformed", "without_effect", "would_show",
+    "beyond_tables",
 }  # fmt: skip
 """Names that blocks, effects and their symbols use themselves."""
 
