@@ -5,6 +5,7 @@ Knows nothing of laws; hoisted terms, switches and the ledger get their offsets 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
@@ -14,6 +15,7 @@ from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly, Batch
 from gearblocks.codegen.program import InputInfo, ParameterInfo
 from gearblocks.language.block import given_start
+from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.fields import ANGLE, RELATIVE_ANGLE, RELATIVE_SPEED, SPEED, Field
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.language.units import parse_unit, unit_along
@@ -135,21 +137,32 @@ Bounds: TypeAlias = tuple[float | None, float | None, float | None, float | None
 
 
 def _shared_bounds(lay: Layout) -> dict[str, Bounds]:
-    """The narrowest bounds of the fields that each Parameter stands in by itself."""
-    found: dict[str, list[Field]] = {}
+    """The narrowest bounds of the fields that each Parameter stands in by itself, or with numbers that it is multiplied by."""
+    found: dict[str, list[Bounds]] = {}
     if not lay.shared_objects:
         return {}
     for c in lay.assembly.train.components:
         for _, value, spec in numbers_of(c.block, ""):
             if isinstance(value, Parameter):
-                found.setdefault(value.name, []).append(spec)
-    return {name: _narrowest(specs) for name, specs in found.items()}
+                found.setdefault(value.name, []).append((spec.gt, spec.ge, spec.lt, spec.le))
+            elif isinstance(value, Expr) and value.op == "*" and (one := _multiple(value, spec)) is not None:
+                found.setdefault(one[0], []).append(one[1])
+    return {name: _narrowest(bounds) for name, bounds in found.items()}
 
 
-def _narrowest(specs: list[Field]) -> Bounds:
-    gt, ge, lt, le = (
-        [x for x in values if x is not None] for values in zip(*((s.gt, s.ge, s.lt, s.le) for s in specs), strict=True)
-    )
+def _multiple(value: Expr, spec: Field) -> tuple[str, Bounds] | None:
+    """The Parameter of a product with numbers, and what of the bounds holds for it too: those that are 0."""
+    leaves = [x for x in value.args if x.op == "parameter"]
+    numbers = [evaluate(x, lambda _: math.nan) for x in value.args if not any(True for _ in x.leaves())]
+    factor = math.prod(numbers)
+    if len(leaves) != 1 or len(numbers) != len(value.args) - 1 or factor == 0:
+        return None
+    gt, ge, lt, le = (0.0 if x == 0 else None for x in (spec.gt, spec.ge, spec.lt, spec.le))
+    return leaves[0].args[0].name, (gt, ge, lt, le) if factor > 0 else (lt, le, gt, ge)
+
+
+def _narrowest(bounds: list[Bounds]) -> Bounds:
+    gt, ge, lt, le = ([x for x in values if x is not None] for values in zip(*bounds, strict=True))
     return max(gt, default=None), max(ge, default=None), min(lt, default=None), min(le, default=None)
 
 

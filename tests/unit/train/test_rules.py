@@ -184,6 +184,26 @@ def test_an_option_lifts_the_bound_and_what_varies_is_not_judged() -> None:
     assert _said(model_of(_between(gb.Shaft(k=gb.Parameter("P", 1.0) * gb.sin(gb.time)))), {"P": -1.0}) == ""
 
 
+MULTIPLES: dict[str, tuple[Callable[[gb.Parameter], Any], float | None, float | None]] = {
+    "half": (lambda p: p / 2, 0.0, None),
+    "less": (lambda p: -0.5 * p, None, 0.0),
+    "with another": (lambda p: gb.Parameter("Q", 1.0) * p, None, None),
+    "and more": (lambda p: 2 * p + 1, None, None),
+}
+
+
+@pytest.mark.parametrize("name", MULTIPLES)
+def test_a_bound_of_0_is_one_of_what_is_multiplied_too(name: str) -> None:
+    """So an FMU declares it, whose variable is the Parameter."""
+    law, lower, upper = MULTIPLES[name]
+    start = -100.0 if upper == 0 else 100.0
+    model = model_of(_between(gb.Shaft(k=law(gb.Parameter("P", start)))))
+    info = model.program.parameters[model.program.parameter_numbers["P"]]
+    assert (info.lower, info.upper) == (lower, upper)
+    assert (info.open_lower, info.open_upper) == (lower is not None, upper is not None)
+    assert "must be > 0 (or give allow_negative=True)" in _said(model, {"P": -start})
+
+
 def test_the_second_base_radius_follows_the_first() -> None:
     model = model_of(_between(COUPLINGS["impacts"]))
     assert _said(model, {"b2.r_base[0]": 0.5}) == ""
