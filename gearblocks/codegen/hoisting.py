@@ -32,6 +32,7 @@ class Hoister:
     pool: Pool
     terms: list[HoistedTerm] = field(default_factory=list)
     _known: dict[tuple[int, Any], Any] = field(default_factory=dict)
+    _inside: dict[Any, Any] = field(default_factory=dict)
 
     def hoist(self, expr: Any) -> Any:
         """The expression with terms in place of everything that does not move with the state."""
@@ -80,6 +81,11 @@ class Hoister:
 
     def _inside_timed(self, expr: Any) -> Any:
         """A timed expression with its constant parts as parameter terms."""
+        if expr not in self._inside:
+            self._inside[expr] = self._with_constants(expr)
+        return self._inside[expr]
+
+    def _with_constants(self, expr: Any) -> Any:
         if self.pool.level(expr) == CONSTANT:
             return expr if _is_plain(expr) else self._term(expr, CONSTANT)
         if not expr.args:
@@ -88,7 +94,7 @@ class Hoister:
             return self._inside_timed(exact)
         if isinstance(expr, (sp.Add, sp.Mul)):
             constant = [a for a in expr.args if self.pool.level(a) == CONSTANT]
-            rest = [self._inside_timed(a) for a in expr.args if self.pool.level(a) != CONSTANT]
+            rest = list(map(self._inside_timed, (a for a in expr.args if self.pool.level(a) != CONSTANT)))
             whole = expr.func(*constant)
             return expr.func(whole if _is_plain(whole) else self._term(whole, CONSTANT), *rest)
         if isinstance(expr, (sp.sin, sp.cos)):

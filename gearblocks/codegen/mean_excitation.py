@@ -17,6 +17,7 @@ from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.event_functions import line
 from gearblocks.codegen.hoisting import HoistedTerm
 from gearblocks.language.signals import Table
+from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.functions import TableAt
 from gearblocks.laws.switching import Mode
 from gearblocks.laws.symbols import time_symbol
@@ -50,7 +51,7 @@ def mean_of(expr: Any, code: BatchCode) -> Any:
 
 def _runs(expr: Any, code: BatchCode) -> bool:
     """Whether time or a switch of time stands in the expression."""
-    return any(x == time_symbol() or code.law.pool.roles[x].role == "mode" for x in expr.free_symbols)
+    return any(x == time_symbol() or code.law.pool.roles[x].role == "mode" for x in symbols_in(expr))
 
 
 def _standing(rate: Any) -> Any:

@@ -197,7 +197,7 @@ def _binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None = 
         return _sympy_binary(op, left, right, wrap)
     a, b = as_expr(left), as_expr(right)
     b = wrap(b) if wrap else b
-    if op in ("+", "*"):  # long sums and products are one node, not a chain of them
+    if op in ("+", "*", "And", "Or"):  # long sums and products are one node, not a chain of them
         before = a.args if a.op == op else (a,)
         return Expr(op, *before, *(b.args if b.op == op and all(x.op != "number" for x in b.args) else (b,)))
     return Expr(op, a, b)
@@ -246,8 +246,9 @@ def _conditions() -> dict[Any, Any]:
 
 
 def function(name: str, *args: Any) -> Expr:
-    """A named function of expressions, for example function("sin", 3 * time)."""
-    return Expr(name, *(as_expr(a) for a in args))
+    """A named function of expressions, for example function("sin", 3 * time). The largest of the largest is one node."""
+    parts = [(a,) if a.op != name or name not in ("Max", "Min") else a.args for a in map(as_expr, args)]
+    return Expr(name, *(a for part in parts for a in part))
 
 
 # -- text ------------------------------------------------------------------------------------------------------------
@@ -260,10 +261,8 @@ def _text(e: Expr, outer: int) -> str:
         return f"({value})" if e.args[0] < 0 and outer > 1 else value
     if e.op == "time":
         return "time"
-    if e.op in ("parameter", "input"):
-        return f"{e.op}({e.args[0].name!r})"
-    if e.op in ("sense", "local"):
-        return f"{e.op}({e.args[0]!r})"
+    if e.op in ("parameter", "input", "sense", "local"):
+        return f"{e.op}({getattr(e.args[0], 'name', e.args[0])!r})"
     if e.op in ("table", "table2"):
         return f"{e.op}({', '.join([repr(e.args[0].digest()), *(_text(a, 0) for a in e.args[1:])])})"
     if e.op in _INFIX:
@@ -285,10 +284,8 @@ def evaluate(e: Expr, values: Callable[[Expr], float]) -> float:
     if e.op in _LEAVES:
         return values(e)
     a = [evaluate(x, values) for x in e.args]
-    if e.op == "+":
-        return math.fsum(a)
-    if e.op == "*":
-        return math.prod(a)
+    if e.op in ("+", "*"):
+        return (math.fsum if e.op == "+" else math.prod)(a)
     if e.op == "**":
         return float(a[0] ** a[1])
     if e.op in _RELATIONS:
@@ -347,10 +344,12 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
     if e.op == "**" and next(e.leaves(), None) is None:
         _check_power(e)
     a = [to_sympy(x, leaf) for x in e.args]
-    if e.op == "+":
-        return sp.Add(*a)
-    if e.op == "*":
-        return sp.Mul(*a)
+    if e.op in ("+", "*"):
+        return (sp.Add if e.op == "+" else sp.Mul)(*a)
+    if e.op in ("Max", "Min"):
+        from gearblocks.language.extrema import extremum
+
+        return extremum(e.op, a)
     if e.op == "**":
         power = sp.Pow(*a)
         if power.is_number and not power.is_real:
@@ -379,8 +378,8 @@ def from_sympy(x: Any) -> Expr:
         leaf = x.leaf
         assert isinstance(leaf, Expr)
         return leaf
-    if x is sp.true:
-        return number(1.0)
+    if x in (sp.true, sp.false):
+        return number(float(bool(x)))
     if x.is_Number or x.is_NumberSymbol:
         return number(float(x))
     if x.is_Symbol:
@@ -389,12 +388,12 @@ def from_sympy(x: Any) -> Expr:
             f"make it gb.Parameter('{x}', value, unit); in physics a Table is read as s.local('field', x=quantity)"
         )
     name = type(x).__name__
+    if name == "ITE":  # what sympy makes of a condition on a value with cases
+        return from_sympy(sp.Or(sp.And(x.args[0], x.args[1]), sp.And(sp.Not(x.args[0]), x.args[2])))
     if name == "Piecewise":
         return Expr("Piecewise", *(from_sympy(part) for pair in x.args for part in pair))
-    names = {
-        "Add": "+", "Mul": "*", "Pow": "**", "StrictLessThan": "<", "LessThan": "<=", "StrictGreaterThan": ">",
-        "GreaterThan": ">=",
-    }  # fmt: skip
+    names = {"Add": "+", "Mul": "*", "Pow": "**", "LessThan": "<=", "GreaterThan": ">="}
+    names |= {"StrictLessThan": "<", "StrictGreaterThan": ">"}
     if name == "exp" or name in names or name in FUNCTIONS:
         return Expr(names.get(name, name), *(from_sympy(a) for a in x.args))
     raise GearblocksError(f"'{x}' ({name}) cannot stand in a signal; there are {', '.join(FUNCTIONS)}")

@@ -58,6 +58,7 @@ class _Printer:
     def __init__(self, moving: Moving, names: Mapping[Any, str]) -> None:
         self.moving, self.names = moving, names
         self._known: dict[tuple[Any, ...], _Call] = {}
+        self._made: dict[Any, _Call] = {}
 
     def number(self, e: Any) -> str:
         """C of an expression that does not move."""
@@ -68,6 +69,11 @@ class _Printer:
 
     def enclosed(self, e: Any) -> _Call:
         """The enclosure of an expression."""
+        if e not in self._made:
+            self._made[e] = self._enclosed(e)
+        return self._made[e]
+
+    def _enclosed(self, e: Any) -> _Call:
         if not self.moves(e):
             return self._call("gb_enclosed_number", self.number(e))
         if e.is_Symbol:
@@ -106,7 +112,7 @@ class _Printer:
     def _chain(self, e: Any) -> _Call:
         """A sum or product: what moves by twos, then what does not."""
         still = e.func(*(a for a in e.args if not self.moves(a)))
-        moving = [self.enclosed(a) for a in e.args if self.moves(a)]
+        moving = list(map(self.enclosed, filter(self.moves, e.args)))
         found = moving[0]
         for other in moving[1:]:
             found = self._call(f"gb_enclosed_{'add' if e.is_Add else 'mul'}", found, other)

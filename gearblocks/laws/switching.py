@@ -28,6 +28,9 @@ _COUNT = Table([0.0, 1.0], [0.0, 0.0], "step", True)
 _IN_A_ROW = 16
 """Cases that are nested one inside the other; halves of longer rows stand side by side, or sympy would go too deep."""
 
+_COMPARED, _LONG = 4, 100
+"""Values that are compared one after the other, and nodes of an expression that stands twice in what is made of it."""
+
 _WITHOUT_VALUES = (sp.log, sp.exp, sp.tan, sp.asin, sp.acos, sp.acosh, sp.atanh, sp.sinh, sp.cosh, InverseInvolute)
 """Functions that have no value for some arguments, or one that is no longer a number."""
 
@@ -82,6 +85,7 @@ class Freezer:
     switches: list[EventFunction] = field(default_factory=list)
     locating: bool = True
     _memo: dict[Any, Any] = field(default_factory=dict)
+    _sizes: dict[Any, int] = field(default_factory=dict)
 
     def declare(self, declared: Iterable[Switch]) -> None:
         """Takes the named switches first, so that conditions with the same event functions find them."""
@@ -129,6 +133,8 @@ class Freezer:
             return self._dead_zone(e)
         if isinstance(e, sp.floor) and self.pool.level(e) != CONSTANT:
             return self._floor(e)
+        if isinstance(e, (sp.Max, sp.Min)) and self._stays(e):
+            return e
         a = [self.freeze(x) for x in e.args]
         if isinstance(e, sp.Abs):
             return (2 * self._indicator(a[0]) - 1) * a[0]
@@ -137,14 +143,7 @@ class Freezer:
         if isinstance(e, sp.Heaviside):
             return self._indicator(a[0])
         if isinstance(e, (sp.Max, sp.Min)):
-            result = a[0]
-            for x in a[1:]:
-                above = self._indicator(x - result) if isinstance(e, sp.Max) else 1 - self._indicator(x - result)
-                if self._may_have_no_value(x) or self._may_have_no_value(result):
-                    result = self._where(1 - above, result) + self._where(above, x)
-                else:
-                    result = result + above * (x - result)
-            return result
+            return self._extremum(a, isinstance(e, sp.Max))
         if isinstance(e, (sp.Ne, sp.Eq)):
             raise GearblocksError(f"the condition '{e}' asks for equality, which a run never meets exactly; use < or >")
         if e.is_Relational:
@@ -158,6 +157,35 @@ class Freezer:
         if isinstance(e, sp.ITE):
             return a[0] * a[1] + (1 - a[0]) * a[2]
         return e.func(*a)
+
+    def _extremum(self, values: Sequence[Any], largest: bool) -> Any:
+        """The largest or the least of several, by comparing two at a time: few one after the other, of many each half by
+        itself. Of two the first stands in the result once where it is long, so that what is nested stays linear."""
+        if len(values) > _COMPARED:
+            half = len(values) // 2
+            values = [self._extremum(values[:half], largest), self._extremum(values[half:], largest)]
+        result = values[0]
+        for x in values[1:]:
+            above = self._indicator(x - result) if largest else 1 - self._indicator(x - result)
+            if self._may_have_no_value(x) or self._may_have_no_value(result):
+                result = self._where(1 - above, result) + self._where(above, x)
+            elif self._size(result) > _LONG:
+                result = (1 - above) ** 2 * result + above * x
+            else:
+                result = result + above * (x - result)
+        return result
+
+    def _stays(self, e: Any) -> bool:
+        """Whether the largest of so many is no condition to be taken apart: of what does not move, without tables."""
+        if self.pool.level(e) != CONSTANT or e.has(TableAt, Table2At, DeadZone, ContactSide, sp.floor):
+            return False
+        return sum(len(x.args) for x in e.atoms(sp.Max, sp.Min)) > _COMPARED
+
+    def _size(self, expr: Any) -> int:
+        """Nodes of an expression, as often as they stand in it."""
+        if expr not in self._sizes:
+            self._sizes[expr] = 1 + sum(map(self._size, expr.args))
+        return self._sizes[expr]
 
     def _where(self, indicator: Any, value: Any) -> Any:
         """The value where the indicator is 1, and 0 where it is 0."""
