@@ -25,8 +25,10 @@ _FUNCTIONS = {
 }  # fmt: skip
 """Functions with an enclosure of their own."""
 
-
 Moving = Mapping[Any, "str | tuple[str, str]"]
+
+_IN_A_ROW = 50
+"""Enclosures that are added or multiplied one after the other."""
 
 
 class EnclosureError(Exception):
@@ -113,12 +115,20 @@ class _Printer:
         """A sum or product: what moves by twos, then what does not."""
         still = e.func(*(a for a in e.args if not self.moves(a)))
         moving = list(map(self.enclosed, filter(self.moves, e.args)))
-        found = moving[0]
-        for other in moving[1:]:
-            found = self._call(f"gb_enclosed_{'add' if e.is_Add else 'mul'}", found, other)
+        found = self._joined("gb_enclosed_add" if e.is_Add else "gb_enclosed_mul", moving)
         if still == (0 if e.is_Add else 1):
             return found
         return self._call(f"gb_enclosed_{'shift' if e.is_Add else 'scale'}", found, self.number(still))
+
+    def _joined(self, head: str, parts: list[_Call]) -> _Call:
+        """One after the other; of many each half by itself, as calls that are nested deeper are no longer printed."""
+        if len(parts) > _IN_A_ROW:
+            half = len(parts) // 2
+            parts = [self._joined(head, parts[:half]), self._joined(head, parts[half:])]
+        found = parts[0]
+        for other in parts[1:]:
+            found = self._call(head, found, other)
+        return found
 
     def _power(self, e: Any) -> _Call:
         base, exponent = e.as_base_exp()

@@ -1,10 +1,17 @@
 """Expressions that are nested deeper than Python follows are refused by name; long ones are not deep."""
 
+import functools
+import math
+import operator
+import time
+
 import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.model.build import make_program
 from gearblocks.train.expression_depth import depth
+from gearblocks.train.graph import flatten
 
 
 def cases(count):
@@ -77,3 +84,45 @@ def test_long_rows_of_cases_choose_the_first_that_holds_and_are_not_deep():
     t = np.array([0.0125, 0.4875, 0.9875, 1.5])
     run = gb.simulate(train, t=t, rtol=1e-9)
     assert run["drive.torque"] == pytest.approx([0, 19, 39, -1] + run["J.w"] * [1, 1, 1, 0], rel=1e-12)
+
+
+def _inputs(count):
+    return [gb.Input(f"u{i}", float(i)) for i in range(count)]
+
+
+def _all(count):
+    conditions = [u > 0.5 for u in _inputs(count)]
+    return gb.piecewise((1.0, functools.reduce(operator.and_, conditions)), (0.0, True))
+
+
+LONG = {
+    "a sum": lambda: sum(_inputs(600)),
+    "a product of Parameters": lambda: math.prod(gb.Parameter(f"p{i}", 1.0) for i in range(500)),
+    "a table over a sum": lambda: gb.Table([0.0, 1.0, 2.0], [0.0, 1.0, 3.0])(sum(_inputs(500))),
+    "a table over the largest": lambda: gb.Table([0.0, 1.0, 2.0], [0.0, 1.0, 3.0])(gb.maximum(*_inputs(60))),
+    "a sum of sizes": lambda: sum(abs(u) for u in _inputs(200)),
+    "conditions in a row": lambda: _all(150),
+}
+
+
+@pytest.mark.parametrize("kind", LONG)
+def test_what_is_long_and_not_deep_is_built_soon(kind):
+    train = flatten(rig(LONG[kind]()).tree())
+    began = time.process_time()
+    make_program(train)
+    assert time.process_time() - began < 4.0
+
+
+def test_a_table_over_a_long_sum_is_located():
+    """Its enclosure is added by halves, of which one is small here; the sum passes the joint for a moment within a step."""
+    sizes = [1e-4 if i < 60 else 0.02 for i in range(120)]
+    rates = [1 + i / 100 for i in range(120)]
+
+    def total(w, sin):
+        return sum(size * sin(rate * w) for size, rate in zip(sizes, rates, strict=True))
+
+    joint = (1 - 1e-6) * float(total(np.linspace(0.0, 2.0, 200_001), np.sin).max())
+    table = gb.Table([-5.0, joint, 5.0], [0.5, 1.0, 3.0])
+    run = gb.simulate(rig(table(total(gb.sense("J.w"), gb.sin))), t=np.linspace(0.0, 2.0, 11), rtol=1e-6)
+    assert run["J.alpha"] == pytest.approx(np.interp(total(run["J.w"], np.sin), table.x, table.y), abs=1e-12)
+    assert len(run.events) == 2
