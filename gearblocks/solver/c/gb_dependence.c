@@ -9,10 +9,7 @@ static const double SAME = 1e-12; /* of the terms of a difference: what is left 
 
 /* The constraint by whose force event function i is active: friction or a stop; else -1. */
 static int holding(const gb_sim *sim, int i) {
-    int c = sim->model->n_constraints - 1;
-    while (c >= 0 && sim->model->constraints[c].active != i) {
-        c--;
-    }
+    const int c = sim->events.force_of[i];
     const int kind = c >= 0 ? (int)sim->model->constraints[c].kind : -1;
     return (kind == GB_FRICTION || kind == GB_STOP) && gb_is_active(sim, c) ? c : -1;
 }

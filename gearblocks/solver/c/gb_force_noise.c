@@ -12,10 +12,7 @@ static double imperceptible(const gb_sim *sim, int i) {
 
 /* The active constraint whose excess event function i tells, or -1. */
 static int constraint_of(const gb_sim *sim, int i) {
-    int constraint = sim->model->n_constraints - 1;
-    while (constraint >= 0 && sim->model->constraints[constraint].active != i) {
-        constraint--;
-    }
+    const int constraint = sim->events.force_of[i];
     return constraint >= 0 && gb_is_active(sim, constraint) ? constraint : -1;
 }
 

@@ -69,9 +69,9 @@ static void gb_split_by_sides(const gb_lcp *problem, const int *is_own, const do
         }
         wrong = 0;
         for (int i = 0; i < n && (round < 4 || !wrong); i++) {
-            const double *of = bounds->losses + 5 * (long)i;
+            const double *of = bounds->losses + 5 * (long)i, keep = bounds->shrink ? 1.0 - bounds->shrink[i] : 1.0;
             if (problem->in[i] && gb_split_is_loss(bounds, i) && !is_own[i] && !is_own[bounds->tie_of[i]] &&
-                !gb_loss_agrees(of, sides[2 * i], sides[2 * i + 1], x[bounds->tie_of[i]], x[i], 1e-12 * largest)) {
+                !gb_loss_agrees(of, sides + 2 * i, x[bounds->tie_of[i]], x[i], keep, 1e-12 * largest)) {
                 gb_split_sides_of(bounds, i, x[bounds->tie_of[i]], sides);
                 wrong = 1;
             }

@@ -226,7 +226,7 @@ struct gb_events {
     double *flip_time, *flips;   /* the last flip, and how many without progress */
     double *held, *held_side, *shortest, *shortest_at, *swings, *swings_from; /* see gb_departure.h, gb_swings.h */
     double *defect;                    /* slopes of a dense polynomial and rates there, by state */
-    int *role;                         /* who decides about its mode */
+    int *role, *slip_of, *force_of;    /* who decides about its mode; the constraint whose slip or force it is, or -1 */
     double *mode_before;               /* modes before an event */
     double *s0, *s, *slopes, *samples; /* event functions: at the start of a step, at an instant, along rows, sampled */
     double *moved, *until;             /* and with one state moved; just after the first constraint force that leaves */

@@ -14,6 +14,9 @@
 /* Part of a step from which on its end is looked at for a bound that has come to a force of noise. */
 static const double LAST = 1.0 - 1e-6;
 
+/* Part of a step up to which what has just been decided comes back at once. */
+static const double EARLY = 0.125;
+
 /* Where in a step is looked whether a force that is none at both ends is none between: bounds and loads that pass zero
  * in turn do so at halves and quarters, and what has just reached its bound may be far inside it later on. */
 static const double WITHIN[] = {0.001, 0.03125, 0.14, 0.382, 0.618, 0.86};
@@ -60,20 +63,20 @@ static int fades_unloaded(gb_sim *sim, int i, const double *time_terms) {
     return excess < noise && force < noise;
 }
 
-/* Event function i is the gap of a stop that has just opened, and it has moved by noise. A body that a stop has held
- * leaves it with the third power of time once its force has passed zero, and what is left of its slip may be directed
- * back: for a while rounding tells on which side of the stop it is. */
+/* Event function i is the gap of a stop that has just opened, and it has moved by noise; or it comes back as the step
+ * begins, and over the step moves by no more than the rounding of speeds, as large as they have been. A body that a
+ * stop has held leaves it with the third power of time once its force has passed zero, and what is left of its slip may
+ * be directed back: for a while rounding tells on which side of the stop it is. */
 static int opens_by_noise(gb_sim *sim, int i, const double *time_terms) {
-    int opens = 0;
-    for (int c = 0; c < sim->model->n_constraints; c++) {
-        opens |=
-            sim->model->constraints[c].slip == i && gb_is_stop(sim, c) && sim->events.armed[i] == sim->events.side[i];
-    }
-    if (!opens) {
+    const int c = sim->events.slip_of[i];
+    if (c < 0 || !gb_is_stop(sim, c) || sim->events.armed[i] != sim->events.side[i]) {
         return 0;
     }
     sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
-    return gb_is_noise(sim, i, sim->events.s[i] - sim->events.s0[i], time_terms, sim->z, sim->y0);
+    const double moved = sim->events.s[i] - sim->events.s0[i], speed = gb_largest_speed(sim, sim->control.largest);
+    const double imperceptible = 64.0 * DBL_EPSILON * speed * sim->constraints.row_size[c] * sim->head->front.h;
+    return (sim->events.located[i] < EARLY && fabs(moved) <= imperceptible) ||
+           gb_is_noise(sim, i, moved, time_terms, sim->z, sim->y0);
 }
 
 /* Switch i, located in this step, has not left its limit from the start to the end but for noise. Most are plainly off
@@ -108,7 +111,7 @@ static int comes_back_early(const gb_sim *sim, int i) {
     const double h = sim->head->front.h;
     const int constrained = sim->events.role[i] == GB_CONSTRAINED, again = sim->events.flips[i] > 1.0;
     const int armed = sim->events.armed[i] == sim->events.side[i];
-    return h > 1e6 * gb_rounding(sim->head->front.t0, h) && sim->events.located[i] < 0.125 &&
+    return h > 1e6 * gb_rounding(sim->head->front.t0, h) && sim->events.located[i] < EARLY &&
            (armed ? constrained || again : constrained && again);
 }
 

@@ -25,17 +25,17 @@ typedef struct search {
     int forces_inside;         /* they need not be, in this panel */
 } search;
 
-/* f has left its mode: a touch has not. Where the ends of a piece that can be no shorter decide, nor has what the
- * rounding of the states does to it, and so it is for the rest of the step. */
+/* f has left its mode: a touch has not. Where the ends of a piece that can be no shorter decide, nor has what rounding
+ * of the states does to it, in the rest of the step to twice as far: what drifts on is seldom met again. */
 static int is_beyond(gb_sim *sim, const search *s, gb_limit at, double f) {
     const double rounding = gb_starts_on_limit(sim, at) ? gb_limit_rounding(sim, at.i, 0.0) : 0.0;
-    const double *time_terms = sim->lanes.time_terms + sim->method->stages;
-    const int beyond = f < -rounding - sim->panel.noise[at.i];
-    if (beyond && s->by_ends && gb_is_noise(sim, at.i, f, time_terms, sim->z, sim->y0)) {
-        sim->panel.noise[at.i] = -f;
+    const double enough = -rounding - sim->panel.noise[at.i];
+    if (s->by_ends && gb_min(f, gb_margin(sim, at).lo) < enough &&
+        gb_is_noise(sim, at.i, f, sim->lanes.time_terms + sim->method->stages, sim->z, sim->y0)) {
+        sim->panel.noise[at.i] = gb_max(sim->panel.noise[at.i], -2.0 * f);
         return 0;
     }
-    return beyond;
+    return f < enough;
 }
 
 /* Its values alone tell that it is free. */

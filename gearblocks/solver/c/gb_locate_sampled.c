@@ -116,10 +116,7 @@ static void sampled_distances(const gb_sim *sim, int i, double side, double *f) 
 /* The slip of a constraint that is one of speeds (that of a tie is a force). Slips are as smooth as the states; near
  * zero their samples differ by the rounding of speeds, which tells nothing of what they do between. */
 static int is_slip(const gb_sim *sim, int i) {
-    int constraint = sim->model->n_constraints - 1;
-    while (constraint >= 0 && sim->model->constraints[constraint].slip != i) {
-        constraint--;
-    }
+    const int constraint = sim->events.slip_of[i];
     return constraint >= 0 && sim->model->constraints[constraint].kind != GB_TIE;
 }
 

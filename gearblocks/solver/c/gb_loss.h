@@ -63,16 +63,17 @@ static inline double gb_loss_excess(const double *losses, double tie, double for
     return excess - 1e-13 * (fabs(tie) + fabs(force));
 }
 
-/* A gear at rest for which these sides were assumed: the range is that of its tie but for rounding, or its force lies
- * inside both. */
-static inline int gb_loss_agrees(const double *losses, int forward, int backward, double tie, double force,
+/* A gear at rest for which sides forward and backward were assumed, and that may lose `keep` of what it does: the range
+ * is that of its tie but for rounding, or its force lies inside both by more than that. */
+static inline int gb_loss_agrees(const double *losses, const int *sides, double tie, double force, double keep,
                                  double rounding) {
-    const gb_loss_line up = gb_loss_on_side(losses, forward), down = gb_loss_on_side(losses, backward);
+    const gb_loss_line up = gb_loss_on_side(losses, sides[0]), down = gb_loss_on_side(losses, sides[1]);
     const double least = -(up.slope * tie + up.fixed), most = down.fixed - down.slope * tie;
-    if (fabs(least + gb_loss_of(losses, tie)) <= rounding && fabs(most - gb_loss_of(losses, -tie)) <= rounding) {
+    const double true_least = -gb_loss_of(losses, tie), true_most = gb_loss_of(losses, -tie);
+    if (fabs(least - true_least) <= rounding && fabs(most - true_most) <= rounding) {
         return 1;
     }
-    return force > least && force < most && gb_loss_excess(losses, tie, force) <= 0.0;
+    return force > keep * fmax(least, true_least) + rounding && force < keep * fmin(most, true_most) - rounding;
 }
 
 /* Sides forward and backward of a gear at rest, by the force that leaves it: above all rests, below, between; between

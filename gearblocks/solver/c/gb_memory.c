@@ -147,7 +147,10 @@ static void lay_events(gb_sim *sim, char *base, size_t *at) {
     sim->sliding.rates = doubles(base, at, m->n_event_functions > 0 ? (long)(1 + GB_SLIDING + 2) * m->n_total : 0);
     sim->sliding.functions = doubles(base, at, 2L * m->n_event_functions);
     sim->sliding.outputs = doubles(base, at, m->n_event_functions > 0 ? 2L * m->n_outputs : 0);
-    e->role = take(base, at, sizeof(int) * (size_t)(m->n_switches + 1));
+    for (int k = 0; k < 3; k++) {
+        int **const which[] = {&e->role, &e->slip_of, &e->force_of};
+        *which[k] = take(base, at, sizeof(int) * (size_t)(m->n_switches + 1));
+    }
     sim->log.capacity = 4L * m->n_switches + m->n_inputs + 64;
     sim->log.event = take(base, at, sizeof(gb_event) * (size_t)sim->log.capacity);
 }
@@ -239,10 +242,12 @@ gb_sim *gb_open(const gb_model *model) {
     sim->head->bytes = block;
     for (int i = 0; i < model->n_switches; i++) {
         sim->events.slack[i] = -1.0;
+        sim->events.slip_of[i] = sim->events.force_of[i] = -1;
     }
     for (int i = 0; i < model->n_constraints; i++) {
         const gb_constraint *constraint = &model->constraints[i];
         sim->events.role[constraint->slip] = sim->events.role[constraint->active] = GB_CONSTRAINED;
+        sim->events.slip_of[constraint->slip] = sim->events.force_of[constraint->active] = i;
         if (constraint->free >= 0) {
             sim->events.role[constraint->free] = GB_SILENT;
         }
