@@ -25,7 +25,9 @@ from tests.random.families import draw  # noqa: E402
 from tests.random.judge import Judge  # noqa: E402
 
 
-@pytest.mark.parametrize(("family", "seed"), [("mixed", 15000348), ("contact", 15000428), ("contact", 24000362), ("mixed", 27000245)])
+@pytest.mark.parametrize(
+    ("family", "seed"), [("mixed", 15000348), ("contact", 15000428), ("contact", 24000362), ("mixed", 27000245)]
+)
 @pytest.mark.few(1)
 def test_they_end_and_are_right(family, seed):
     verdict = Judge(gb, draw(family, seed)).judge(light=True)
