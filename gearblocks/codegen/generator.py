@@ -9,6 +9,7 @@ from gearblocks.assembly.tables import Assembly
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Column, Function
 from gearblocks.codegen.layout import Layout
+from gearblocks.codegen.long_tables import LongTables
 from gearblocks.codegen.operands import Operand, Statement
 from gearblocks.codegen.output_list import OutputGroup, OutputList
 from gearblocks.codegen.parts import (
@@ -71,11 +72,18 @@ class Generator:
     n_end: int = 0
     linear: Linear | None = None
     enclosures: Enclosures | None = None
+    long_tables: LongTables = field(default_factory=LongTables)
 
     @property
     def outputs(self) -> OutputList:
         """The outputs so far."""
         return OutputList(self.output_groups)
+
+    @property
+    def energy_signs(self) -> list[int]:
+        """Of the ledger's entries among the quadratures, 1 for a loss and -1 for what is supplied; ends at 0."""
+        known = sorted((x for x in self.integrals if x.part != "angle"), key=lambda x: x.offset)
+        return [*(1 if x.part == "loss" else -1 for x in known), 0]
 
     def shared_time_terms(self, outputs_only: bool) -> list[Statement]:
         """Shared time terms: those of the rates, or those that only outputs and energies read."""

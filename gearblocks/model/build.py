@@ -43,13 +43,17 @@ def build_tree(tree: Tree) -> Model:
 
 @contextmanager
 def _without_collector() -> Iterator[None]:
-    """Pauses the garbage collector: a long train makes a million objects at once, none of them garbage."""
+    """Pauses the garbage collector: a long train makes a million objects at once, none of them garbage. They count as old
+    afterwards, or the collector would go through all of them at once."""
     was_on = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
         if was_on:
+            if not gc.get_freeze_count():  # others' frozen objects stay frozen
+                gc.freeze()
+                gc.unfreeze()
             gc.enable()
 
 

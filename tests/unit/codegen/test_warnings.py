@@ -47,6 +47,17 @@ def _joint():
     return rig
 
 
+def _long():
+    rig = gb.Drivetrain("long")
+    row = [
+        part
+        for i in range(300)
+        for part in (rig.add(f"disc{i}", gb.Inertia(J=1.0)), rig.add(f"shaft{i}", gb.Shaft(k=9.0)))
+    ]
+    rig.chain(*row, rig.add("end", gb.Inertia(J=1.0)))
+    return rig
+
+
 RIGS = {
     "nothing to sense": _massless,
     "a speed": lambda: _sensed("two.w"),
@@ -55,6 +66,7 @@ RIGS = {
     "a prescribed speed": lambda: _prescribed(False),
     "a prescribed angle": lambda: _prescribed(True),
     "gains that change": _joint,
+    "long tables": _long,
 }
 
 QUICK = ("a speed", "switched constraints", "a prescribed angle", "gains that change")
