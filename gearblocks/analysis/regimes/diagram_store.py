@@ -31,7 +31,7 @@ from gearblocks.simulation.records import FinalState
 
 Array = NDArray[np.float64]
 
-FORMAT = "gearblocks diagram store 2"
+FORMAT = "gearblocks diagram store 3"
 _KINDS = {
     kind.__name__: kind for kind in (Regime, PeriodicOrbit, FinalState, LyapunovExponents, SimulationError, GrowthError)
 }

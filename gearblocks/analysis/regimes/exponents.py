@@ -45,6 +45,7 @@ _FEW, _STILL, _MANY = (
     2000,
     8000,
 )  # periods that the sign of an exponent is told from: if clear, if none grows, at most
+_STAY = 1e-6  # of their size: neutral directions within a period
 _SURE = 6.0  # standard errors that decide it before
 
 
@@ -157,9 +158,22 @@ def exponents_of(
     """Those of the motion from the states y, which it has after so many periods. Raises SimulationError."""
     m = neutral.rest.shape[1] if count is None else min(count, neutral.rest.shape[1])
     columns, fixed = (x * seen.scale[:, None] for x in (_directions(neutral, m), neutral.basis))
-    run = seen.follow(y, periods + TURNS_IN, columns, after=after, fixed=fixed)
-    passed = after + periods + TURNS_IN
-    return LyapunovExponents(run.logs[TURNS_IN:], seen.period, neutral.words, run.corner, run.states[-1], passed)
+    parts = _parts(seen, y, neutral, after) if m > 1 else 1
+    run = seen.follow(y, periods + TURNS_IN, columns, after=after, fixed=fixed, parts=parts)
+    passed, logs = after + periods + TURNS_IN, run.logs.reshape(-1, parts, m).sum(axis=1)
+    return LyapunovExponents(logs[TURNS_IN:], seen.period, neutral.words, run.corner, run.states[-1], passed)
+
+
+def _parts(seen: Strobe, y: Array, neutral: Neutral, after: int) -> int:
+    """Of a period, after which columns are made orthonormal: those in which little fades, if neutral directions are what they
+    are within a period, too."""
+    basis, parts = neutral.basis, seen.parts
+    if parts == 1 or not basis.shape[1]:
+        return parts
+    maps = seen.follow(y, 1, basis * seen.scale[:, None], after=after, maps=True, parts=parts).maps
+    moved = maps / seen.scale[None, :, None]
+    left = moved - basis @ (basis.T @ moved)
+    return parts if np.abs(left).max(initial=0.0) <= _STAY * np.abs(moved).max(initial=1.0) else 1
 
 
 def longer(seen: Strobe, neutral: Neutral, found: LyapunovExponents) -> LyapunovExponents | None:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, scaled
-from gearblocks.analysis.regimes.small_multipliers import told_by_period
+from gearblocks.analysis.regimes.small_multipliers import with_small_ones
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Followed, Strobe, strobe
 from gearblocks.analysis.sections import Section
@@ -47,8 +47,9 @@ class PeriodicOrbit:
 
     points: states (names) at the section, shape (periods, n); closure: how far the last point misses the first one, in sizes
     of the states; multipliers: shape (n - p,), the largest first, without the p neutral directions, whose words are in
-    `neutral`; exponents: log(abs(multipliers)) per second; corner: where no derivative exists, in words, or ""; parameters: by
-    path; states: the points as runs begin with them, of which `starts` is made.
+    `neutral` (0: nothing is left behind an event, or less than the least number); exponents: growth rates of motions beside it
+    [1/s], log(abs(multipliers)) per second, told however small these are; corner: where no derivative exists, in words, or "";
+    parameters: by path; states: the points as runs begin with them, of which `starts` is made.
     """
 
     names: tuple[str, ...]
@@ -57,6 +58,7 @@ class PeriodicOrbit:
     period: float
     closure: float
     multipliers: NDArray[np.complex128]
+    exponents: Array
     neutral: tuple[str, ...]
     corner: str
     rtol: float
@@ -73,13 +75,6 @@ class PeriodicOrbit:
     def stable(self) -> bool:
         """Whether motions beside it come nearer: all multipliers lie inside the unit circle."""
         return self.corner == "" and bool((np.abs(self.multipliers) < 1.0).all())
-
-    @property
-    def exponents(self) -> Array:
-        """Growth rates of motions beside it [1/s], the largest first."""
-        with np.errstate(divide="ignore"):
-            rates: Array = np.log(np.abs(self.multipliers)) / (self.periods * self.period)
-        return rates
 
     def __repr__(self) -> str:
         largest = f"{abs(self.multipliers[0]):.6g}" if len(self.multipliers) else "none"
@@ -122,14 +117,13 @@ def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrb
         if periods % divisor == 0 and _misses(seen, y, run.states[divisor - 1], neutral) <= same:
             return shoot(seen, y, divisor, neutral)
     whole = scaled(seen, run.maps[-1])
-    multipliers = neutral.multipliers(whole)
-    if run.corner == "":
-        multipliers = told_by_period(seen, y, periods, neutral, whole, multipliers)
+    multipliers, logs = with_small_ones(seen, y, periods, neutral, whole, neutral.multipliers(whole))
     names = tuple(q.name for q in seen.model.program.states)
     points = np.vstack([y, run.states[:-1]])
     states = tuple(seen.standing(point, k) for k, point in enumerate(points))
     return PeriodicOrbit(
-        names, points, periods, seen.period, closure, multipliers, neutral.words, run.corner, seen.rtol, seen.values, states,
+        names, points, periods, seen.period, closure, multipliers, logs / (periods * seen.period), neutral.words, run.corner,
+        seen.rtol, seen.values, states,
     )  # fmt: skip
 
 

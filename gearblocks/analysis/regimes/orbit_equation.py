@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.neutral import Neutral, scaled
 from gearblocks.analysis.regimes.orbit import CLOSED
+from gearblocks.analysis.regimes.small_multipliers import with_small_ones
 from gearblocks.analysis.regimes.strobe import Change, Followed, Strobe
 from gearblocks.errors import SimulationError
 
@@ -123,14 +124,14 @@ class OrbitEquation:
     ) -> Solved:  # fmt: skip
         tangent = np.linalg.svd(jacobian)[2][-1]
         tangent = tangent if tangent @ normal >= 0 else -tangent
-        multipliers = self.neutral.multipliers(scaled(seen, run.maps[-1]))
+        y, whole = self.states(u), scaled(seen, run.maps[-1])
+        multipliers, _ = with_small_ones(seen, y, self.periods, self.neutral, whole, self.neutral.multipliers(whole))
         directions = self.sized.scale[:, None] * self.neutral.rest
-        return Solved(
-            u, self.parameter(u), seen, self.states(u), run, jacobian, tangent, directions, multipliers, steps
-        )
+        return Solved(u, self.parameter(u), seen, y, run, jacobian, tangent, directions, multipliers, steps)
 
     def _seen(self, value: float) -> Strobe:
-        return replace(self.at(value), scale=self.sized.scale, max_step=_STEP * self.sized.max_step)
+        sized = self.sized
+        return replace(self.at(value), scale=sized.scale, max_step=_STEP * sized.max_step, fading=sized.fading)
 
     def _mapped(self, u: Array) -> tuple[Strobe, Followed]:
         seen = self._seen(self.parameter(u))

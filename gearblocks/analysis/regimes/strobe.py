@@ -38,6 +38,9 @@ _UNSEEN = 1e-6  # of the largest state with the same unit: steps of differences 
 _LEAST = 1e-3  # of what the states beside it carry into a state: less is their rounding, and no size of its own
 _ROUNDING = 1e-14  # of the sizes
 _TERMS = 6  # of the series of exp over an eighth of the fastest motion
+_FADES = 4.0  # logarithms in a part of a period
+_MOST_PARTS = 2048
+_FINE = 0.25  # of the longest step: within it what fades fastest is told to 1e-8
 REACH = 2.0  # a step times the fastest rate: there order 8 is stable and right to 1e-3 in each step
 GROWS = (Code.ERR_ESCAPE, Code.ERR_NAN_RATE)
 """How a run ends whose motion grows without bound."""
@@ -75,7 +78,7 @@ class Change:
 @dataclass(frozen=True, slots=True, eq=False)
 class Strobe:
     """A model at values of its parameters. period [s]; scale: sizes of the n states, in which distances are told; max_step [s]:
-    the longest step in which derivatives are told, too."""
+    the longest step in which derivatives are told, too; fading: the fastest rate at which motions beside fade [1/s]."""
 
     model: Model
     parameters: Array
@@ -83,11 +86,17 @@ class Strobe:
     rtol: float
     scale: Array
     max_step: float = np.inf
+    fading: float = 0.0
 
     @property
     def n(self) -> int:
         """States."""
         return int(self.model.program.n)
+
+    @property
+    def parts(self) -> int:
+        """Of a period, in each of which no motion beside fades by much more than exp(-4)."""
+        return int(np.clip(np.ceil(self.period * self.fading / _FADES), 1, _MOST_PARTS))
 
     def finer(self, rtol: float) -> Strobe:
         """The same at another tolerance."""
@@ -100,10 +109,12 @@ class Strobe:
         states = np.vstack([y, self.follow(y, _SIZED, after=after, parts=_PARTS).states])
         size = np.abs(states).max(axis=0)
         jacobians = self._jacobians(states, size)
-        fastest = max(float(np.abs(np.linalg.eigvals(j)).max(initial=0.0)) for j in jacobians)
+        rates = np.array([np.linalg.eigvals(j) for j in jacobians])
+        fastest, fading = float(np.abs(rates).max(initial=0.0)), float(-rates.real.min(initial=0.0))
         driven = np.max([_driven(j, size, self.period) for j in jacobians], axis=0)
         scale = np.maximum(size, _LEAST * driven)
-        return replace(self, scale=np.where(scale > 0.0, scale, 1.0), max_step=REACH / max(fastest, 1e-300))
+        scale = np.where(scale > 0.0, scale, 1.0)
+        return replace(self, scale=scale, max_step=REACH / max(fastest, 1e-300), fading=fading)
 
     def settled(self, initial: Any, transient: int) -> tuple[Strobe, Array]:
         """The same, sized by the motion after so many periods, and its states there."""
@@ -181,6 +192,20 @@ class Strobe:
     def map(self, y: Array, periods: int, *, after: int = 0, by: Change | None = None) -> Followed:
         """The same with all derivatives by the states."""
         return self.follow(y, periods, np.eye(self.n), after=after, maps=True, by=by)
+
+    def pieces(self, y: Array, periods: int) -> Array:
+        """Derivatives by the states over each part of each period of the run from y, in units of the sizes, shape
+        (parts * periods, n, n): M of the whole is their product. Raises SimulationError."""
+        program, none, found = self.model.program, np.empty((self.n, 0)), []
+        with replace(self, max_step=_FINE * self.max_step).opened(y) as sim:
+            for t in self.period * np.arange(1, self.parts * periods + 1) / self.parts:
+                tangents = Tangents(sim, program.n_total, np.diag(self.scale), self.scale, none)
+                tangents.begin(np.array([t]), maps=True)
+                while (code := tangents.run()) != Code.DONE:
+                    if code < 0:
+                        raise self._failure(sim, code)
+                found.append(tangents.maps[0] / self.scale[:, None])
+        return np.array(found)
 
     def _begun(self, y: Array, change: Array) -> Array:
         """Derivative by a parameter of the states that a run from y begins with: what friction holds and what has no
