@@ -27,8 +27,10 @@ from gearblocks.analysis.quantity import Quantity
 from gearblocks.analysis.regimes.carried import DIRECTIONS, Motion, carried, output_of, rising
 from gearblocks.analysis.regimes.diagram_store import DiagramStore, Told
 from gearblocks.analysis.regimes.regime import Asked, Regime
+from gearblocks.analysis.regimes.sizes import turned
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
+from gearblocks.analysis.regimes.turns import around
 from gearblocks.analysis.sections import LONGEST, RELATIVE, Section, repeats
 from gearblocks.analysis.study_progress import progress as shown
 from gearblocks.analysis.study_result import Study
@@ -206,7 +208,7 @@ def _told(
                 if full:
                     waiting[i, j] = pool.submit(_full, replace(protocol, seen=seen), states), points, states[-1]
                 else:
-                    yield (i, j), Told(points, states[-1], _quick(states[-keep:], protocol.longest))
+                    yield (i, j), Told(points, states[-1], _quick(seen, states, keep, protocol.longest))
             for point, (future, points, last) in waiting.items():
                 yield point, Told(points, last, result_of(future))
         finally:
@@ -318,8 +320,18 @@ def _outputs(seen: Strobe, states: Array, output: int, first: int) -> Array:
     return found
 
 
-def _quick(points: Array, longest: int) -> str:
-    extent = np.abs(points).max(axis=0)
-    extent[extent == 0.0] = 1.0
-    period, _, _ = repeats(points, longest, extent)
+def _quick(seen: Strobe, states: Array, keep: int, longest: int) -> str:
+    points = states[-keep:]
+    period, _, _ = repeats(points, longest, _extent(points))
+    if period is None and any(q.kind == "angle" for q in seen.model.program.states):
+        turns = turned(seen, states[-1], len(states)).turns
+        if turns.any():
+            points = around(np.where(turns > 0.0, 0.0, points), points, turns)
+            period, _, _ = repeats(points, longest, _extent(points))
     return "quick: not periodic" if period is None else f"quick: period {period}"
+
+
+def _extent(points: Array) -> Array:
+    extent = np.abs(points).max(axis=0)
+    found: Array = np.where(extent > 0.0, extent, 1.0)
+    return found

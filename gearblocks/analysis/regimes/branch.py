@@ -19,6 +19,7 @@ from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, wit
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.orbit_equation import OrbitEquation, Solved
 from gearblocks.analysis.regimes.response import response
+from gearblocks.analysis.regimes.sizes import settled, sized
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Change, Strobe, change_of, strobe
 from gearblocks.analysis.sections import Section
@@ -220,10 +221,10 @@ def _from_orbit(
 ) -> tuple[OrbitEquation, Solved]:  # fmt: skip
     """The equation at an orbit, and its point there, whose tangent leads into the span."""
     if start is None:
-        seen, y = at(begin).settled(initial, transient)
+        seen, y = settled(at(begin), initial, transient)
     elif isinstance(start, PeriodicOrbit):
         y, periods = start.points[0], start.periods
-        seen = at(begin).sized(y, 0)
+        seen = sized(at(begin), y, 0)
     else:
         raise ParameterError(
             f"start = {start!r:.80} must be an orbit of gb.periodic_orbit, or a mark of another branch"
@@ -252,7 +253,7 @@ def _from_mark(
         raise ParameterError(
             f"start = {start!r:.80}: a branch leaves at a period doubling or a branch point within the span"
         )
-    seen = at(start.value).sized(start.states, 0)
+    seen = sized(at(start.value), start.states, 0)
     neutral = _directions(seen, start.states)
     equation = OrbitEquation(at, change, seen, neutral, start.states, start.value, abs(end - begin), start.periods)
     leads = np.append(neutral.apart(start.direction / seen.scale), 0.0)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.settling import ARRIVED, misses
+from gearblocks.analysis.regimes.sizes import settled
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, Section
@@ -135,7 +136,7 @@ def lyapunov(
     seen = strobe(build(train), section, parameters, initial, rtol)
     warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
-    seen, y = seen.settled(initial, transient)
+    seen, y = settled(seen, initial, transient)
     neutral = neutral_directions(seen, y)
     found = exponents_of(seen, y, neutral, periods, count, transient)
     return replace(found, orbit=_arrived(seen, found.states, neutral))

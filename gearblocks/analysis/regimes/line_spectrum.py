@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.carried import output_of
 from gearblocks.analysis.regimes.response import sampled
+from gearblocks.analysis.regimes.sizes import turned
 from gearblocks.analysis.regimes.strobe import strobe
+from gearblocks.analysis.regimes.turns import around
 from gearblocks.analysis.sections import LONGEST, Section, repeats
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, by_name_only
@@ -93,8 +95,11 @@ def spectrum(
     warn_of_parameters(model, parameters)
     passed = seen.follow(seen.start(initial), transient + 2 * longest + 1).states
     y, after = passed[-1], len(passed)
-    extent = np.abs(np.vstack([passed[transient:], seen.follow(y, longest, after=after, parts=16).states])).max(axis=0)
-    period, off, _ = repeats(passed[transient - 1 :], longest, np.where(extent > 0.0, extent, 1.0))
+    turns = turned(seen, y, after).turns
+    between = seen.follow(y, longest, after=after, parts=16).states
+    points, between = (around(np.where(turns > 0.0, 0.0, x), x, turns) for x in (passed[transient - 1 :], between))
+    extent = np.abs(np.vstack([points[1:], between])).max(axis=0)
+    period, off, _ = repeats(points, longest, np.where(extent > 0.0, extent, 1.0))
     if period is None:
         raise ParameterError(
             f"the motion misses itself by {off:.1e} of its size at the least within {longest} periods: give a longer "

@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, scaled
+from gearblocks.analysis.regimes.sizes import settled
 from gearblocks.analysis.regimes.small_multipliers import with_small_ones
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Followed, Strobe, strobe
+from gearblocks.analysis.regimes.turns import without_turns
 from gearblocks.analysis.sections import Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
@@ -49,7 +51,8 @@ class PeriodicOrbit:
     of the states; multipliers: shape (n - p,), the largest first, without the p neutral directions, whose words are in
     `neutral` (0: nothing is left behind an event, or less than the least number); exponents: growth rates of motions beside it
     [1/s], log(abs(multipliers)) per second, told however small these are; corner: where no derivative exists, in words, or "";
-    parameters: by path; states: the points as runs begin with them, of which `starts` is made.
+    parameters: by path; states: the points as runs begin with them, of which `starts` is made; turns: by how much each state
+    may be turned so that nothing changes [rad], or 0; ahead: by how many of these an orbit goes on [rad], both of shape (n,).
     """
 
     names: tuple[str, ...]
@@ -64,6 +67,8 @@ class PeriodicOrbit:
     rtol: float
     parameters: Mapping[str, float]
     states: tuple[FinalState, ...]
+    turns: Array
+    ahead: Array
 
     @property
     def starts(self) -> tuple[Trajectory, ...]:
@@ -95,7 +100,7 @@ def periodic_orbit(
     seen = strobe(build(train), section, parameters, initial, rtol)
     warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
-    seen, y = seen.settled(initial, transient)
+    seen, y = settled(seen, initial, transient)
     neutral = neutral_directions(seen, y)
     orbit = shoot(seen, y, periods, neutral)
     if orbit is None:
@@ -116,20 +121,22 @@ def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrb
     for divisor in range(1, periods):
         if periods % divisor == 0 and _misses(seen, y, run.states[divisor - 1], neutral) <= same:
             return shoot(seen, y, divisor, neutral)
-    whole = scaled(seen, run.maps[-1])
+    told = _mapped(seen.told_finely, y, periods)
+    whole = scaled(seen, (told or run).maps[-1])
     multipliers, logs = with_small_ones(seen, y, periods, neutral, whole, neutral.multipliers(whole))
     names = tuple(q.name for q in seen.model.program.states)
     points = np.vstack([y, run.states[:-1]])
     states = tuple(seen.standing(point, k) for k, point in enumerate(points))
+    off = run.states[-1] - y
     return PeriodicOrbit(
         names, points, periods, seen.period, closure, multipliers, logs / (periods * seen.period), neutral.words, run.corner,
-        seen.rtol, seen.values, states,
+        seen.rtol, seen.values, states, seen.turns, off - without_turns(off, seen.turns),
     )  # fmt: skip
 
 
 def _misses(seen: Strobe, y: Array, other: Array, neutral: Neutral) -> float:
     """How far apart two states are, whatever neutral directions do."""
-    return float(np.abs(neutral.apart((y - other) / seen.scale)).max(initial=0.0))
+    return float(np.abs(neutral.apart(seen.off(y, other))).max(initial=0.0))
 
 
 def _unsure(seen: Strobe, run: Followed, closure: float, neutral: Neutral) -> float:
@@ -151,7 +158,7 @@ def _newton(seen: Strobe, y: Array, periods: int, allowed: Array) -> tuple[Array
     for _ in range(_MOST):
         if run is None:
             return best
-        miss = (run.states[-1] - y) / seen.scale
+        miss = seen.off(run.states[-1], y)
         closure = float(np.abs(miss).max())
         closures.append(closure)
         if closure <= max(CLOSED, _floor(seen)):

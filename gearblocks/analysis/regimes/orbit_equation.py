@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.neutral import Neutral, scaled
 from gearblocks.analysis.regimes.orbit import CLOSED
+from gearblocks.analysis.regimes.sizes import sized as sized_at
 from gearblocks.analysis.regimes.small_multipliers import with_small_ones
 from gearblocks.analysis.regimes.strobe import Change, Followed, Strobe
 from gearblocks.errors import SimulationError
@@ -24,7 +25,6 @@ Array = NDArray[np.float64]
 
 _MOST = 8  # steps of Newton's method
 _SETTLED = 1e-5  # step of that: next to a branch point a point off the branch closes, too
-_STEP = 0.25  # of the longest step: an orbit at rest limits no step by its own motion
 _PARTS = 16  # of a period, that sizes are told from
 _GROWN = 2.0  # times: sizes that are taken anew
 _ROUNDING = 30.0  # tolerances that a closed orbit is off by
@@ -84,9 +84,9 @@ class OrbitEquation:
     def resized(self, point: Solved) -> tuple[OrbitEquation, Solved]:
         """The same with the sizes of the orbit at a point where these have grown, and the point in them."""
         states = np.abs(point.seen.follow(point.y, self.periods, parts=_PARTS).states).max(axis=0)
-        if (states < _GROWN * self.sized.scale).all():
+        if ((states < _GROWN * self.sized.scale) | (self.sized.turns > 0.0)).all():
             return self, point
-        sized = point.seen.sized(point.y, 0)
+        sized = sized_at(point.seen, point.y, 0)
         sized = replace(sized, scale=np.maximum(sized.scale, self.sized.scale))
         neutral = self.neutral.resized(sized.scale / self.sized.scale)
         other = replace(self, sized=sized, neutral=neutral, base=point.y)
@@ -107,7 +107,7 @@ class OrbitEquation:
         for steps in range(_MOST):
             try:
                 seen, run = self._mapped(u)
-                miss = self.neutral.apart((run.states[-1] - self.states(u)) / seen.scale)
+                miss = self.neutral.apart(seen.off(run.states[-1], self.states(u)))
                 jacobian = self._jacobian(u, seen, run)
             except SimulationError:
                 return None
@@ -131,7 +131,8 @@ class OrbitEquation:
 
     def _seen(self, value: float) -> Strobe:
         sized = self.sized
-        return replace(self.at(value), scale=sized.scale, max_step=_STEP * sized.max_step, fading=sized.fading)
+        step = sized.told_finely.max_step  # an orbit at rest limits no step by its own motion
+        return replace(self.at(value), scale=sized.scale, turns=sized.turns, max_step=step, fading=sized.fading)
 
     def _mapped(self, u: Array) -> tuple[Strobe, Followed]:
         seen = self._seen(self.parameter(u))

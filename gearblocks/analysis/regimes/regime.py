@@ -27,8 +27,10 @@ from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.second_frequency import second_frequency
 from gearblocks.analysis.regimes.settling import Nearing, misses, nearing
+from gearblocks.analysis.regimes.sizes import sized
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
+from gearblocks.analysis.regimes.turns import without_turns
 from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
@@ -136,9 +138,9 @@ def _alike(one: Regime, other: Regime) -> bool:
     if one.label != other.label or one.orbit is None or other.orbit is None:
         return one.label == other.label
     scale = np.abs(np.vstack([one.orbit.points, other.orbit.points])).max(axis=0)
-    scale[scale == 0.0] = 1.0
-    near = [np.abs((one.orbit.points[0] - point) / scale).max() for point in other.orbit.points]
-    return bool(min(near) <= _APART)
+    scale = np.where(one.orbit.turns > 0.0, one.orbit.turns, np.where(scale > 0.0, scale, 1.0))
+    off = without_turns(one.orbit.points[0] - other.orbit.points, one.orbit.turns) / scale
+    return bool(np.abs(off).max(axis=1).min() <= _APART)
 
 
 @final
@@ -164,7 +166,8 @@ class Asked:
         if regime := _growth(states):
             return regime
         points, after = states[-self.keep :], len(states)
-        seen = self.seen.sized(points[-1], after)
+        seen = sized(self.seen, points[-1], after)
+        points = seen.near(points)
         neutral = neutral_directions(seen, points[-1])
         drives = drive_periods(seen, points[-1], self._farthest, after)
         return self._periodic(seen, points, neutral, drives, after) or self._other(seen, points, neutral, drives, after)
@@ -192,7 +195,7 @@ class Asked:
             run = seen.follow(last.states, more, after=last.passed)
             if regime := _growth(np.vstack([points, run.states])):
                 return regime
-            points, after = np.vstack([points, run.states])[-self.keep :], last.passed + more
+            points, after = seen.near(np.vstack([points, run.states])[-self.keep :]), last.passed + more
             if regime := self._periodic(seen, points, neutral, drives, after):
                 before = (f"before, the largest exponent was {_told(first)}",) if _positive(first) else ()
                 return replace(regime, evidence=(*regime.evidence, *before))
@@ -265,7 +268,14 @@ def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:
         nears = f"the motion comes nearer as they say: {sizes}"
     closes = f"shooting finds an orbit of least period {orbit.periods} that closes to {orbit.closure:.1e}"
     aside = f"; {', '.join(neutral.words)}: neutral, multiplier 1" if neutral.words else ""
-    return (f"{closes}, with the largest multiplier {largest}{aside}", nears)
+    return (f"{closes}, with the largest multiplier {largest}{aside}{_ahead_words(orbit)}", nears)
+
+
+def _ahead_words(orbit: PeriodicOrbit) -> str:
+    """By how many turns it goes on."""
+    moved = np.flatnonzero(orbit.ahead)
+    parts = [f"{orbit.names[j].rsplit('.', 1)[0]} by {orbit.ahead[j] / (2 * np.pi):+.6g}" for j in moved]
+    return f"; it goes on by turns: {', '.join(parts)}" if parts else ""
 
 
 def _positive(found: LyapunovExponents) -> bool:

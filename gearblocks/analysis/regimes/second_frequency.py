@@ -14,6 +14,7 @@ from scipy.signal.windows import blackmanharris
 
 from gearblocks.analysis.regimes.neutral import Neutral
 from gearblocks.analysis.regimes.strobe import Strobe
+from gearblocks.analysis.regimes.turns import around
 
 Array = NDArray[np.float64]
 
@@ -36,7 +37,7 @@ def second_frequency(seen: Strobe, y: Array, neutral: Neutral, orders: Iterable[
     for count in _POINTS:
         more = seen.follow(states[-1] if len(states) else y, count - len(states), after=after + len(states))
         states = np.vstack([states, more.states])
-        points = neutral.apart((states / seen.scale).T).T
+        points = around(neutral.apart((np.where(seen.turns > 0.0, 0.0, states) / seen.scale).T).T, states, seen.turns)
         frequency = _frequency(points[:, int(np.argmax(points.std(axis=0)))], known)
         if frequency is not None:
             return f"the points have a second frequency, {frequency:.6g} times that of the section"

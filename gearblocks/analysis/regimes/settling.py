@@ -43,10 +43,12 @@ class Nearing:
 
 def misses(points: Array, seen: Strobe, neutral: Neutral, longest: int) -> Array:
     """By how much the later half of the points, shape (k, n), miss those m periods later, m = 1 .. longest."""
-    scaled = neutral.apart(((points - points[-1]) / seen.scale).T).T[len(points) // 2 :]
-    return np.array(
-        [np.abs(scaled[m:] - scaled[:-m]).max() if m < len(scaled) else np.inf for m in range(1, longest + 1)]
-    )
+    late = points[len(points) // 2 :]
+
+    def miss(m: int) -> float:
+        return float(np.abs(neutral.apart(seen.off(late[m:], late[:-m]).T)).max()) if m < len(late) else np.inf
+
+    return np.array([miss(m) for m in range(1, longest + 1)])
 
 
 def nearing(seen: Strobe, points: Array, neutral: Neutral, base: int, longest: int, after: int) -> Nearing | None:
@@ -78,7 +80,7 @@ def _nears(seen: Strobe, y: Array, orbit: PeriodicOrbit, neutral: Neutral) -> Ne
             return Nearing(orbit, before, before, 0)
         run = seen.follow(y, periods)
         expected = _expected(seen, orbit, neutral, y, target, periods)
-        left = neutral.apart((run.states[-1] - target) / seen.scale)
+        left = neutral.apart(seen.off(run.states[-1], target))
         after = float(np.abs(left).max(initial=0.0))
         if after <= floor or np.abs(left - expected).max() <= _AS_SAID * np.abs(expected).max() + floor:
             return Nearing(orbit, before, after, periods)
@@ -93,11 +95,11 @@ def _at_phase(seen: Strobe, y: Array, orbit: PeriodicOrbit, neutral: Neutral) ->
 
 
 def _distance(seen: Strobe, neutral: Neutral, y: Array, other: Array) -> float:
-    return float(np.abs(neutral.apart((y - other) / seen.scale)).max(initial=0.0))
+    return float(np.abs(neutral.apart(seen.off(y, other))).max(initial=0.0))
 
 
 def _expected(seen: Strobe, orbit: PeriodicOrbit, neutral: Neutral, y: Array, target: Array, periods: int) -> Array:
     """What is left of the small difference between y and a point of the orbit after so many periods, a multiple of its own."""
     one = neutral.rest.T @ scaled(seen, seen.map(target, orbit.periods).maps[-1]) @ neutral.rest
-    left: Array = np.linalg.matrix_power(one, periods // orbit.periods) @ neutral.apart((y - target) / seen.scale)
+    left: Array = np.linalg.matrix_power(one, periods // orbit.periods) @ neutral.apart(seen.off(y, target))
     return left

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from gearblocks.analysis.regimes.strobe import REACH, Strobe
+from gearblocks.analysis.regimes.sizes import REACH
+from gearblocks.analysis.regimes.strobe import Strobe
 from gearblocks.errors import SimulationError, warn
 from gearblocks.solver.fast_modes import fast_modes
 from gearblocks.solver.point import Point

@@ -15,6 +15,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.regimes.turns import without_turns
 from gearblocks.analysis.sections import Section, check_frequency, section_period
 from gearblocks.errors import GearblocksError, SimulationError
 from gearblocks.language.starts import is_rolling
@@ -31,17 +32,12 @@ from gearblocks.solver.tangents import Tangents
 
 Array = NDArray[np.float64]
 
-_SIZED, _PARTS = 4, 16  # periods that sizes are told from, and parts of each
-_LOOKS = 8  # points at which the fastest motion is looked for
+_AROUND = 8  # periods of a motion that goes round, after which its run begins anew
 _BESIDE = 1e-4  # of the sizes
-_UNSEEN = 1e-6  # of the largest state with the same unit: steps of differences are told from no less
-_LEAST = 1e-3  # of what the states beside it carry into a state: less is their rounding, and no size of its own
 _ROUNDING = 1e-14  # of the sizes
-_TERMS = 6  # of the series of exp over an eighth of the fastest motion
 _FADES = 4.0  # logarithms in a part of a period
 _MOST_PARTS = 2048
 _FINE = 0.25  # of the longest step: within it what fades fastest is told to 1e-8
-REACH = 2.0  # a step times the fastest rate: there order 8 is stable and right to 1e-3 in each step
 GROWS = (Code.ERR_ESCAPE, Code.ERR_NAN_RATE)
 """How a run ends whose motion grows without bound."""
 
@@ -55,13 +51,15 @@ class GrowthError(SimulationError):
 class Followed:
     """A run over k periods. states: the n states after each, shape (k, n); maps: derivatives of each by the start, (k, n, m);
     logs: logarithms by which the columns grew in each, (k, m); corner: where no derivative exists, in words, or ""; events:
-    how many there were; slope: derivative of the last states by a parameter, (n,), where one was asked for."""
+    how many there were; columns: those at the end, (n, m); slope: derivative of the last states by a parameter, (n,), where one
+    was asked for."""
 
     states: Array
     maps: Array
     logs: Array
     corner: str
     events: int
+    columns: Array
     slope: Array | None = None
 
 
@@ -78,13 +76,15 @@ class Change:
 @dataclass(frozen=True, slots=True, eq=False)
 class Strobe:
     """A model at values of its parameters. period [s]; scale: sizes of the n states, in which distances are told; max_step [s]:
-    the longest step in which derivatives are told, too; fading: the fastest rate at which motions beside fade [1/s]."""
+    the longest step in which derivatives are told, too; fading: the fastest rate at which motions beside fade [1/s]; turns: by
+    how much each state may be turned so that nothing changes [rad], 0 where there is no such angle, shape (n,)."""
 
     model: Model
     parameters: Array
     period: float
     rtol: float
     scale: Array
+    turns: Array
     max_step: float = np.inf
     fading: float = 0.0
 
@@ -98,50 +98,14 @@ class Strobe:
         """Of a period, in each of which no motion beside fades by much more than exp(-4)."""
         return int(np.clip(np.ceil(self.period * self.fading / _FADES), 1, _MOST_PARTS))
 
+    @property
+    def told_finely(self) -> Strobe:
+        """The same in steps in which derivatives along the fastest motion are told to 1e-8."""
+        return replace(self, max_step=_FINE * self.max_step)
+
     def finer(self, rtol: float) -> Strobe:
         """The same at another tolerance."""
         return replace(self, rtol=rtol)
-
-    def sized(self, y: Array, after: int) -> Strobe:
-        """The same with the sizes that the states come to within a few periods from y on, and steps within which the fastest of
-        the motions beside these is told: a run whose own motion is slow takes steps in which derivatives along a fast one
-        grow. after: as of `follow`."""
-        states = np.vstack([y, self.follow(y, _SIZED, after=after, parts=_PARTS).states])
-        size = np.abs(states).max(axis=0)
-        jacobians = self._jacobians(states, size)
-        rates = np.array([np.linalg.eigvals(j) for j in jacobians])
-        fastest, fading = float(np.abs(rates).max(initial=0.0)), float(-rates.real.min(initial=0.0))
-        driven = np.max([_driven(j, size, self.period) for j in jacobians], axis=0)
-        scale = np.maximum(size, _LEAST * driven)
-        scale = np.where(scale > 0.0, scale, 1.0)
-        return replace(self, scale=scale, max_step=REACH / max(fastest, 1e-300), fading=fading)
-
-    def settled(self, initial: Any, transient: int) -> tuple[Strobe, Array]:
-        """The same, sized by the motion after so many periods, and its states there."""
-        y = self.start(initial)
-        if transient:
-            y = self.follow(y, transient).states[-1]
-        return self.sized(y, transient), y
-
-    def _jacobians(self, states: Array, size: Array) -> list[Array]:
-        """Rates by the states [1/s], at points along a period."""
-        units = [q.unit for q in self.model.program.states]
-        alike = np.array([max(s for s, unit in zip(size, units, strict=True) if unit == own) for own in units])
-        beside = _BESIDE * np.maximum(size, np.where(alike > 0.0, _UNSEEN * alike, 1.0))
-        found = []
-        full = np.zeros(self.model.program.n_total)
-        for i, y in enumerate(states[:: len(states) // _LOOKS]):
-            t = i * (len(states) // _LOOKS) / _PARTS * self.period
-            full[: self.n] = y
-            with self.opened(y) as sim:
-                columns = []
-                for j in range(self.n):
-                    step = np.zeros_like(full)
-                    step[j] = beside[j]
-                    ends = [sim.probe(t, full + sign * step, None, "rates")[: self.n] for sign in (1, -1)]
-                    columns.append((ends[0] - ends[1]) / (2 * step[j]))
-            found.append(np.array(columns).reshape(self.n, self.n).T)
-        return found
 
     def start(self, initial: Any) -> Array:
         """The n states that a run begins with."""
@@ -164,6 +128,31 @@ class Strobe:
         directions, shape (n, p), are made orthonormal to these and each other after each period; after: periods that have
         passed before; parts: of each period, after which what is found is kept; by: a parameter, with the period of the section
         following it (not with `after`). Raises SimulationError."""
+        if not self.turns.any() or by is not None:
+            return self._follow(y, periods, columns, after, maps, fixed, parts, by)
+        found: list[Followed] = []  # begun again near 0 now and then: a run is told to a part of its largest angle
+        for passed in range(0, max(periods, 1), _AROUND):
+            near = self.near(y)
+            run = self._follow(near, min(_AROUND, periods - passed), columns, after + passed, maps, fixed, parts, None)
+            found.append(replace(run, states=run.states + (y - near)))
+            y, columns = found[-1].states[-1], run.columns
+        corners = [run.corner for run in found if run.corner]
+        states, maps_there, logs = (
+            np.concatenate([getattr(run, x) for run in found]) for x in ("states", "maps", "logs")
+        )
+        events = sum(run.events for run in found)
+        return Followed(states, maps_there, logs, corners[0] if corners else "", events, found[-1].columns)
+
+    def near(self, y: Array) -> Array:
+        """The states, shape (..., n), turned back by the whole turns of the last of them."""
+        last = y if y.ndim == 1 else y[-1]
+        found: Array = y - (last - without_turns(last, self.turns))
+        return found
+
+    def _follow(
+        self, y: Array, periods: int, columns: Array | None, after: int, maps: bool, fixed: Array | None, parts: int,
+        by: Change | None,
+    ) -> Followed:  # fmt: skip
         program = self.model.program
         with self.model.library.reopen() as sim:
             self._set(sim)
@@ -187,7 +176,10 @@ class Strobe:
             counts = [i for i, q in enumerate(program.states) if q.name.endswith(".impacts")]
             states[:, counts] = y[counts]  # what stops count grows for ever, and no law reads it
             slope = None if by is None else self._slope(sim, tangents, times[-1], periods * by.period)
-            return Followed(states, tangents.maps[:, :, :given], tangents.logs, corner, sim.counters.events, slope)
+            at_end = tangents.columns[:, :given]
+            return Followed(
+                states, tangents.maps[:, :, :given], tangents.logs, corner, sim.counters.events, at_end, slope
+            )
 
     def map(self, y: Array, periods: int, *, after: int = 0, by: Change | None = None) -> Followed:
         """The same with all derivatives by the states."""
@@ -197,7 +189,7 @@ class Strobe:
         """Derivatives by the states over each part of each period of the run from y, in units of the sizes, shape
         (parts * periods, n, n): M of the whole is their product. Raises SimulationError."""
         program, none, found = self.model.program, np.empty((self.n, 0)), []
-        with replace(self, max_step=_FINE * self.max_step).opened(y) as sim:
+        with self.told_finely.opened(y) as sim:
             for t in self.period * np.arange(1, self.parts * periods + 1) / self.parts:
                 tangents = Tangents(sim, program.n_total, np.diag(self.scale), self.scale, none)
                 tangents.begin(np.array([t]), maps=True)
@@ -246,18 +238,23 @@ class Strobe:
         found[np.abs(found) < _ROUNDING * self.scale] = 0.0
         return found
 
+    def off(self, y: Array, other: Array) -> Array:
+        """Differences of states, shape (..., n), in their sizes, whatever whole turns lie between."""
+        found: Array = without_turns(y - other, self.turns) / self.scale
+        return found
+
     def distance(self, y: Array, other: Array) -> float:
         """How far apart two states are, in their sizes."""
-        return float(np.abs((y - other) / self.scale).max())
+        return float(np.abs(self.off(y, other)).max())
 
     @contextmanager
-    def opened(self, y: Array) -> Iterator[Simulation]:
-        """A simulation that stands at the states y, at t = 0."""
+    def opened(self, y: Array, t: float = 0.0) -> Iterator[Simulation]:
+        """A simulation that stands at the states y, at t."""
         full = np.zeros(self.model.program.n_total)
         full[: self.n] = y
         with self.model.library.reopen() as sim:
             self._set(sim)
-            self._begin(sim, 0.0, full)
+            self._begin(sim, t, full)
             yield sim
 
     def standing(self, y: Array, after: int = 0) -> FinalState:
@@ -298,21 +295,6 @@ class Strobe:
         return f"no derivative exists at t = {t:.6g} s" + (f", at a switch of '{name}'" if name else "")
 
 
-def _driven(jacobian: Array, size: Array, period: float) -> Array:
-    """What a motion of these sizes carries into each state within a period: max |exp(J t)| size. Of one that grows by itself,
-    in as long as it takes to grow by a factor of e."""
-    values = np.linalg.eigvals(jacobian)
-    end = period / max(1.0, period * float(values.real.max(initial=0.0)))
-    halvings = max(0, int(np.ceil(np.log2(max(1.0, end * float(np.abs(values).max(initial=0.0)))))) + 2)
-    step, found, flow = jacobian * end / 2.0**halvings, size, np.eye(len(size))
-    for k in range(_TERMS, 0, -1):
-        flow = np.eye(len(size)) + step @ flow / k
-    for _ in range(halvings + 1):
-        found = np.maximum(found, np.abs(flow) @ size)
-        flow = flow @ flow
-    return found
-
-
 def change_of(seen: Strobe, section: Section, number: int, size: float) -> Change:
     """By parameter `number` of the model, in units of `size`."""
     unit = np.zeros(len(seen.parameters))
@@ -336,4 +318,5 @@ def strobe(
             vector = rolled(model, sim, 0.0, initial)
     check_frequency(section, model.program)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
-    return Strobe(model, vector, period, rtol, np.ones(model.program.n))
+    n = model.program.n
+    return Strobe(model, vector, period, rtol, np.ones(n), np.zeros(n))

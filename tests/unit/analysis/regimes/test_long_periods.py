@@ -11,6 +11,7 @@ import pytest
 import gearblocks as gb
 from gearblocks.analysis.regimes.neutral import neutral_directions
 from gearblocks.analysis.regimes.orbit import shoot
+from gearblocks.analysis.regimes.sizes import settled
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
 
 Oscillator = Callable[..., gb.Drivetrain]
@@ -50,7 +51,7 @@ def test_a_torus_next_to_a_resonance_is_one_though_it_nearly_repeats(oscillator:
 def test_shooting_gives_up_where_it_comes_no_nearer(oscillator: Oscillator, monkeypatch: pytest.MonkeyPatch) -> None:
     # an oscillation of its own beside the drive: a torus, on which nothing repeats after 21 periods
     rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + (0.2 - 0.2 * x**2) * v, k=2.2, c=0.0, phi0=2.0)
-    seen, y = strobe(gb.build(rig), SECTION, None, None, 1e-9).settled(None, 300)
+    seen, y = settled(strobe(gb.build(rig), SECTION, None, None, 1e-9), None, 300)
     neutral, maps, own = neutral_directions(seen, y), [], Strobe.map
 
     def counted(self: Strobe, y: Any, periods: int, **options: Any) -> Any:

@@ -67,9 +67,7 @@ def test_a_state_of_rounding_size_has_the_multipliers_of_its_equation(case: str)
     assert 0.0 < sizes[sizes > 0.0].min() < 1e-13 * sizes.max()  # the case is there
     own = known[np.abs(known - 1.0) > 1e-6]
     assert orbit.neutral == (("rigid turn of d0, d1, d2",) if "free" in case else ())
-    # at rest the motion limits no step, and those of two over the fastest rate leave 1e-5 of a multiplier (decision 46)
-    tolerance = 3e-5 if "at rest" in case else 1e-7
-    assert np.sort_complex(orbit.multipliers) == pytest.approx(np.sort_complex(own), abs=tolerance)
+    assert np.sort_complex(orbit.multipliers) == pytest.approx(np.sort_complex(own), abs=1e-7)
 
 
 @pytest.mark.long

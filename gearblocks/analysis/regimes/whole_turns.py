@@ -1,0 +1,95 @@
+"""Whole turns: by how much an angle may be turned so that the train is as it was, however often.
+
+    f(t, y + g e_j) = f(t, y),   P(y + g e_j) = P(y) + g e_j
+
+A motion that goes on by such turns repeats (a synchronous machine, a pendulum that goes round); the solver takes whole turns
+off some angles by itself. Knows nothing of orbits.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.analysis.regimes.strobe import Strobe
+from gearblocks.errors import GearblocksError
+
+Array = NDArray[np.float64]
+
+_MOVES = 0.5  # rad: an angle that stays below, and comes back, goes round nowhere
+_DRIFTS = 0.01  # rad in the periods that are looked at
+_MOST = 200  # turns, and parts of a turn (teeth), that are tried
+_AHEAD = (1, -3, 1000)  # times that it is turned
+_ANY = 1.2345  # rad: a train that is as it was after that reads no angle
+_FAR = 100.0  # times the rates: what pulls back so much over a thousand turns is no law of where in a turn it is
+_LOOKS = 5
+_ALIKE = 1e-8  # of the rates: the same
+_FLOOR = 1e-10  # of the largest rate
+_MAPPED = 1e-6  # of the sizes
+
+
+def turns_of(seen: Strobe, states: Array, times: Array) -> Array:
+    """The least such turn [rad] of each state that goes round, shape (n,); 0 of others. states, times: of a motion, from one
+    point of the section to another."""
+    found, kinds = np.zeros(seen.n), seen.model.program.states
+    looks = np.linspace(0, len(states) - 1, _LOOKS + 2).astype(int)[1:-1]
+    for j in range(seen.n):
+        moves, drifts = np.abs(states[:, j]).max(), abs(states[-1, j] - states[0, j])
+        if kinds[j].kind == "angle" and (moves > _MOVES or drifts > _DRIFTS):
+            found[j] = _turn(seen, j, states[looks], times[looks])
+    return found
+
+
+def _turn(seen: Strobe, j: int, states: Array, times: Array) -> float:
+    here = [_rates(seen, t, y) for t, y in zip(times, states, strict=True)]
+    size = np.abs(np.array([rates for rates in here if rates is not None])).max(axis=0, initial=1e-300)
+
+    allowed = np.maximum(_ALIKE * size, _FLOOR * size.max())
+
+    def same(turn: float) -> bool:
+        step = np.zeros(seen.n)
+        step[j] = turn
+        for t, y, rates in zip(times, states, here, strict=True):
+            for times_turned in _AHEAD:
+                there = _rates(seen, t, y + times_turned * step)
+                if rates is None or there is None or (np.abs(there - rates) > allowed).any():
+                    return False
+        return True
+
+    whole = 2 * np.pi
+    far = _rates(seen, times[0], states[0] + _AHEAD[-1] * whole * (np.arange(seen.n) == j))
+    if here[0] is None or far is None or np.abs(far - here[0]).max() > _FAR * size.max():
+        return 0.0
+    turns = next((n for n in range(1, _MOST + 1) if same(n * whole)), 0)
+    if not turns or same(_ANY):
+        return 0.0
+    least, parts = turns * whole, 1
+    for prime in (p for p in range(2, _MOST) if all(p % q for q in range(2, p))):
+        while parts * prime <= _MOST * turns and same(least / (parts * prime)):
+            parts *= prime
+    return least / parts if _mapped(seen, j, states[0], least / parts) else 0.0
+
+
+def _mapped(seen: Strobe, j: int, y: Array, turn: float) -> bool:
+    """Whether a period later, too, the motion is as it was but for the turns."""
+    ahead = np.zeros(seen.n)
+    ahead[j] = _AHEAD[-1] * turn
+    try:
+        here, there = (seen.follow(start, 1).states[-1] for start in (y, y + ahead))
+    except GearblocksError:
+        return False
+    off = there - here - ahead
+    off[j] -= turn * np.round(off[j] / turn)  # those that the solver takes off
+    size = np.maximum(np.abs(here), np.abs(y)) + turn * (np.arange(len(y)) == j)
+    return bool((np.abs(off) <= _MAPPED * np.maximum(size, size.max())).all())
+
+
+def _rates(seen: Strobe, t: float, y: Array) -> Array | None:
+    """At an instant; None where no run can begin."""
+    try:
+        with seen.opened(y, t) as sim:
+            full = sim.state()
+            rates: Array = sim.probe(t, full, None, "rates")[: seen.n]
+            return rates
+    except GearblocksError:
+        return None
