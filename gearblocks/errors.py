@@ -168,6 +168,8 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
 
     @wraps(function)
     def checked(*given: _P.args, **named: _P.kwargs) -> _R:
+        if not named and not by_name and len(by_place) <= len(given) <= n:
+            return function(*given, **named)
         if len(given) > n and not any_number:
             raise ParameterError(f"{name}: {given[n]!r:.80} is given without a name; name it: {listed}")
         for argument in named:

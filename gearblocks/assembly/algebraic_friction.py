@@ -13,6 +13,7 @@ from typing import Any
 from gearblocks.assembly.elimination import Combination, Elimination
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly
 from gearblocks.errors import ModelError
+from gearblocks.language.block import places_of
 from gearblocks.language.signals import Parameter
 from gearblocks.laws.algebraic_friction import ForceUnknown, with_algebraic_forces
 from gearblocks.laws.rational import Exact, exact_value
@@ -32,8 +33,8 @@ def algebraic_forces(assembly: Assembly) -> Train:
     for index, names, lost_behind in found:
         c = components[index]
         nodes = (*c.nodes, *range(n, n + len(names)))
-        components[index] = replace(
-            c, block=with_algebraic_forces(c.block, names, lost_behind=lost_behind), nodes=nodes
+        components[index] = c._replace(
+            block=with_algebraic_forces(c.block, names, lost_behind=lost_behind), nodes=nodes
         )
         n += len(names)
     return replace(train, components=tuple(components), n_nodes=n)
@@ -42,10 +43,9 @@ def algebraic_forces(assembly: Assembly) -> Train:
 def force_unknowns(assembly: Assembly) -> frozenset[int]:
     """The groups that stand for forces."""
     return frozenset(
-        assembly.group_of_node[node][0]
+        assembly.group_of_node[c.nodes[place]][0]
         for c in assembly.train.components
-        for flange, node in zip(type(c.block).flanges.values(), c.nodes, strict=True)
-        if isinstance(flange, ForceUnknown)
+        for place in places_of(type(c.block), ForceUnknown)
     )
 
 

@@ -5,12 +5,14 @@ All ratios are exact fractions. Numbers of parameters take no part: they are rea
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Sequence
+from fractions import Fraction
+from functools import cache
+from typing import Any, NamedTuple
 
 from gearblocks.assembly.algebraic_friction import algebraic_forces, force_unknowns
 from gearblocks.assembly.coordinates import Coordinates
-from gearblocks.assembly.elimination import Combination, dependency_order
+from gearblocks.assembly.elimination import Combination, add_row, dependency_order
 from gearblocks.assembly.gauged_gears import with_gauged_gears
 from gearblocks.assembly.inverted_relations import inverted_relations
 from gearblocks.assembly.kinematics import DependentGroup, PrescribedRow
@@ -24,7 +26,7 @@ from gearblocks.laws.law import STAGE, Law
 from gearblocks.laws.prescribed_motion import is_steady
 from gearblocks.laws.rational import Exact, exact, exact_value
 from gearblocks.train.graph import GROUND, Component, Train
-from gearblocks.train.structure import structure_of
+from gearblocks.train.structure import Kind
 from gearblocks.train.values import numbers_of
 
 __all__ = ["GROUND_GROUP", "Assembly", "Batch", "StartValues", "assemble", "expand_rows"]
@@ -87,6 +89,8 @@ def _assemble(train: Train, reading: bool) -> Assembly:
 
 
 def _grounded(component: Component) -> frozenset[str]:
+    if GROUND not in component.nodes:
+        return frozenset()
     return frozenset(
         n for n, node in zip(type(component.block).flanges, component.nodes, strict=True) if node == GROUND
     )
@@ -95,13 +99,17 @@ def _grounded(component: Component) -> frozenset[str]:
 def _laws(train: Train, made: dict[Any, Law], inverted: frozenset[int]) -> list[Law]:
     """The law of each component; one derivation per kind. inverted: components whose relation is solved for its other
     flange."""
-    laws = []
-    for index, c in enumerate(train.components):
-        key = (structure_of(c.block), _grounded(c), index in inverted)
-        if key not in made:
-            made[key] = _derived(c, key)
-            check_feedback(made[key], c.path)
-        laws.append(made[key])
+    laws: list[Law] = []
+    of_kind: dict[tuple[Kind, frozenset[str], bool], Law] = {}
+    for index, (c, kind) in enumerate(zip(train.components, train.kinds, strict=True)):
+        mine = kind, _grounded(c), index in inverted
+        if mine not in of_kind:
+            key = (kind.structure, *mine[1:])
+            if key not in made:
+                made[key] = _derived(c, key)
+                check_feedback(made[key], c.path)
+            of_kind[mine] = made[key]
+        laws.append(of_kind[mine])
     return _with_sensed_conditions(train, made, inverted, laws)
 
 
@@ -117,11 +125,12 @@ def _derived(c: Component, key: tuple[Any, frozenset[str], bool]) -> Law:
 
 def _with_sensed_conditions(train: Train, made: dict[Any, Law], inverted: frozenset[int], laws: list[Law]) -> list[Law]:
     """The laws, where others read outputs with conditions of their own with these as modes."""
-    read = {meaning.of for law in laws for meaning in law.pool.roles.values() if meaning.role == "sense"}
-    for index, (c, law) in enumerate(zip(train.components, laws, strict=True)):
-        sensed = frozenset(name for name in unlocated(law) if f"{c.path}.{name}" in read) if read else frozenset()
+    distinct = {id(law): law for law in laws}.values()
+    read = {meaning.of for law in distinct for meaning in law.pool.roles.values() if meaning.role == "sense"}
+    for index, (c, law) in enumerate(zip(train.components, laws, strict=True)) if read else ():
+        sensed = frozenset(name for name in unlocated(law) if f"{c.path}.{name}" in read)
         if sensed:
-            key = (structure_of(c.block), _grounded(c), index in inverted, sensed)
+            key = (train.kinds[index].structure, _grounded(c), index in inverted, sensed)
             if key not in made:
                 made[key] = derive(c.block, key[1], inverted=key[2], sensed=sensed)
             laws[index] = made[key]
@@ -130,6 +139,7 @@ def _with_sensed_conditions(train: Train, made: dict[Any, Law], inverted: frozen
 
 def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
     result = []
+    nothing = ExactValues({}, [])
     wanted: dict[int, list[tuple[Any, Any]]] = {}
     for c, law in zip(train.components, laws, strict=True):
         if id(law) not in wanted:
@@ -139,8 +149,9 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
             symbols = {x for e in exprs for x in e.free_symbols}
             symbols |= {x for x, meaning in law.pool.roles.items() if meaning.role == "exact"}
             wanted[id(law)] = sorted(((x, law.pool.roles[x]) for x in symbols), key=lambda pair: str(pair[0].name))
-        found = ExactValues({}, [])
+        found = nothing
         if wanted[id(law)]:
+            found = ExactValues({}, [])
             numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
             for symbol, meaning in wanted[id(law)]:
                 if meaning.role == "exact":
@@ -190,23 +201,24 @@ def _coordinates(assembly: Assembly, laws: list[Law], known: list[ExactValues]) 
     prescribed = massless + assembly.n_prescribed
     coordinates = Coordinates(given, range(assembly.n_speeds, massless), range(massless, prescribed))
     batches: dict[Any, Batch] = {}
-    facts: dict[int, tuple[tuple[bool, ...], bool]] = {}
+    forms: dict[int, _Forms] = {}
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
-        if id(law) not in facts:
-            symbols = {x for e in law.expressions(STAGE) for x in e.free_symbols}
-            reads = any(law.pool.roles[x].role == "phi" for x in symbols)
-            facts[id(law)] = (tuple(u in symbols for u in law.coordinates), reads)
-        used, reads = facts[id(law)]
-        assembly.in_law |= reads
-        nodes = {n: node for n, node in zip(type(c.block).flanges, c.nodes, strict=True) if node != GROUND}
-        sources, dependent = _take(c.path, assembly, coordinates, expanded, law, nodes, known[index], used)
-        grounded = frozenset(n for n, node in nodes.items() if assembly.group_of_node[node][0] == GROUND_GROUP)
-        key = (id(law), grounded, dependent)
+        if id(law) not in forms:
+            forms[id(law)] = _forms(c, law, known[index])
+        mine = forms[id(law)]
+        assembly.in_law |= mine.read_angles
+        sources, dependent = _take(c, assembly, coordinates, expanded, mine, known[index])
+        grounded = [place for place in mine.places if assembly.group_of_node[c.nodes[place]][0] == GROUND_GROUP]
+        key = (id(law), *grounded, dependent)
         if key not in batches:
             name = f"{type(c.block).__name__.lower()}_{len(batches)}"
-            batches[key] = Batch(name, law, flanges=tuple(nodes), dependent=dependent, used=used)
+            batches[key] = Batch(name, law, flanges=mine.flanges, dependent=dependent, used=mine.used)
             batches[key].sources = [[] for _ in law.forms]
-        _append(batches[key], assembly, index, nodes, sources, known[index])
+        batches[key].components.append(index)
+        for column, source in zip(batches[key].sources, sources, strict=True):
+            column.append(source)
+    for batch in batches.values():
+        _fill(batch, assembly, forms[id(batch.law)].places, known)
     assembly.batches = list(batches.values())
     assembly.rows = coordinates.rows
     assembly.steady = _steady(assembly, laws)
@@ -273,10 +285,16 @@ def _ordered(
     return [(g, rows[g]) for g in dependency_order(rows, rows, sources)]
 
 
+@cache
+def _number(expr: Any) -> Exact:
+    """The number that a coefficient without symbols is."""
+    return exact_value(expr, {})
+
+
 def _factor(path: str, flange: str, expr: Any, values: ExactValues) -> Exact:
     """The factor of a flange angle in a tie or deflection."""
     try:
-        return exact_value(expr, values.values)
+        return exact_value(expr, values.values) if values.values else _number(expr)
     except ZeroDivisionError as error:
         zeros = ", ".join(sorted(f"{x} = 0" for x, v in values.values.items() if v == 0 and x in expr.free_symbols))
         raise ModelError(
@@ -285,30 +303,61 @@ def _factor(path: str, flange: str, expr: Any, values: ExactValues) -> Exact:
         ) from error
 
 
+class _Forms(NamedTuple):
+    """What the coordinates of a law ask of each of its components.
+
+    flanges, places: names and numbers of the flanges that are no ground; used: coordinates that laws read; terms: of each of
+    these (number of a flange, its name, factor), as a number where it is one, else symbolic; read_angles: whether laws do.
+    """
+
+    flanges: tuple[str, ...]
+    places: tuple[int, ...]
+    used: tuple[bool, ...]
+    terms: tuple[tuple[tuple[int, str, Any], ...], ...]
+    read_angles: bool
+
+
+def _forms(c: Component, law: Law, values: ExactValues) -> _Forms:
+    """Those of the law of a component."""
+    symbols = {x for e in law.expressions(STAGE) for x in e.free_symbols}
+    places = {n: i for i, n in enumerate(type(c.block).flanges) if c.nodes[i] != GROUND}
+    used = tuple(u in symbols for u in law.coordinates)
+
+    def term(flange: str, expr: Any) -> tuple[int, str, Any]:
+        return places[flange], flange, expr if expr.free_symbols else _factor(c.path, flange, expr, values)
+
+    terms = tuple(
+        tuple(term(*item) for item in form.coefficients.items()) if wanted else ()
+        for form, wanted in zip(law.forms, used, strict=True)
+    )
+    reads = any(law.pool.roles[x].role == "phi" for x in symbols)
+    return _Forms(tuple(places), tuple(places.values()), used, terms, reads)
+
+
 def _take(
-    path: str, assembly: Assembly, coordinates: Coordinates, expanded: dict[int, Combination], law: Law, nodes: dict[str, int],
-    values: ExactValues, used: tuple[bool, ...],
+    c: Component, assembly: Assembly, coordinates: Coordinates, expanded: dict[int, Combination], forms: _Forms,
+    values: ExactValues,
 ) -> tuple[list[int], tuple[bool, ...]]:  # fmt: skip
     """Where each coordinate of one instance comes from."""
     sources, dependent = [], []
-    for form, wanted in zip(law.forms, used, strict=True):
+    for terms, wanted in zip(forms.terms, forms.used, strict=True):
         if not wanted:
             sources.append(-1)
             dependent.append(False)
             continue
         combination = Combination()
-        for flange, expr in form.coefficients.items():
-            c = _factor(path, flange, expr, values)
-            node = nodes[flange]
+        for place, flange, found in terms:
+            factor = found if isinstance(found, (int, Fraction)) else _factor(c.path, flange, found, values)
+            node = c.nodes[place]
             group, gain = assembly.group_of_node[node]
             if group == GROUND_GROUP:
                 offset = assembly.ground_offset[node]
                 if offset is not None:
-                    combination.add(Combination(offsets={offset: gain}), c)
+                    add_row(combination.offsets, {offset: gain}, factor)
             elif group in expanded:
-                combination.add(expanded[group], c * gain)
+                combination.add(expanded[group], factor * gain)
             else:
-                combination.add(Combination({group: gain}), c)
+                add_row(combination.groups, {group: gain}, factor)
         taken = coordinates.take(combination)
         if isinstance(taken, int):
             assembly.row_offsets.append(dict(combination.offsets))
@@ -321,16 +370,12 @@ def _take(
     return sources, tuple(dependent)
 
 
-def _append(
-    batch: Batch, assembly: Assembly, index: int, nodes: dict[str, int], sources: list[int], values: ExactValues
-) -> None:  # fmt: skip
-    batch.components.append(index)
-    for name, node in nodes.items():
-        group, gain = assembly.group_of_node[node]
-        batch.groups.setdefault(name, []).append(group)
-        batch.gains.setdefault(name, []).append(gain)
-        batch.nodes.setdefault(name, []).append(node)
-    for column, source in zip(batch.sources, sources, strict=True):
-        column.append(source)
-    for symbol, value in values.values.items():
-        batch.exact.setdefault(symbol, []).append(value)
+def _fill(batch: Batch, assembly: Assembly, places: Sequence[int], known: Sequence[ExactValues]) -> None:
+    """The columns of a batch that follow from its components."""
+    components = [assembly.train.components[index] for index in batch.components]
+    for name, place in zip(batch.flanges, places, strict=True):
+        nodes = batch.nodes[name] = [c.nodes[place] for c in components]
+        found = [assembly.group_of_node[node] for node in nodes]
+        batch.groups[name] = [group for group, _ in found]
+        batch.gains[name] = [gain for _, gain in found]
+    batch.exact = {x: [known[i].values[x] for i in batch.components] for x in known[batch.components[0]].values}

@@ -26,7 +26,7 @@ def dependent_starts(train: Train) -> dict[str, list[str]]:
     """By "angle" and "speed": paths of the bodies whose given start value follows from motions and from those given before
     it. Nothing for a train that cannot be assembled."""
     bodies = [
-        replace(c, block=c.block.changed(**dict.fromkeys(start_fields(type(c.block)).values())))
+        c._replace(block=c.block.changed(**dict.fromkeys(start_fields(type(c.block)).values())))
         if len(c.nodes) == 2 else c for c in train.components
     ]  # fmt: skip
     try:

@@ -97,7 +97,7 @@ class Elimination:
         if unknown not in self.definitions:
             return {unknown: 1}
         gains = self._gains[unknown]
-        while any(x in self.definitions for x in gains):
+        while not self.definitions.keys().isdisjoint(gains):
             terms = ((c, self._gains[x] if x in self.definitions else {x: 1}) for x, c in gains.items())
             gains = self._gains[unknown] = row_sum(terms, self.rounding)
         return gains

@@ -30,7 +30,7 @@ def with_gauged_gears(assembly: Assembly) -> Train:
             row, c = _row(batch, e), components[index]
             driven = batch.groups["b"][e] in massless if "b" in batch.groups else False
             if len(_over(row, massless)) == 1 and (driven or _answers(c.block)):
-                components[index] = replace(c, block=with_gauge(c.block, _size(row, present)), nodes=(*c.nodes, n))
+                components[index] = c._replace(block=with_gauge(c.block, _size(row, present)), nodes=(*c.nodes, n))
                 n += 1
     return assembly.train if n == assembly.train.n_nodes else replace(
         assembly.train, components=tuple(components), n_nodes=n

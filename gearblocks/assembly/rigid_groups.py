@@ -11,14 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.kinematics import DependentGroup, GroupRow, Kinematics, PrescribedRow, solve_dependent
 from gearblocks.assembly.massless_groups import MasslessGroups, floating
 from gearblocks.assembly.tables import GROUND_GROUP, Assembly, ExactValues, StartValues
 from gearblocks.errors import ModelError
-from gearblocks.language.block import given_start, start_fields
+from gearblocks.language.block import given_start, places_of, start_fields
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.fields import ANGLE, SPEED, Unseen
 from gearblocks.language.signals import Parameter
@@ -27,6 +27,7 @@ from gearblocks.laws.law import Law
 from gearblocks.laws.prescribed_motion import PrescribedMotion
 from gearblocks.laws.rational import Exact, exact, exact_value, over
 from gearblocks.train.graph import Component, Train
+from gearblocks.train.structure import Kind
 from gearblocks.train.translational import takes_start
 from gearblocks.train.values import numbers_of
 
@@ -43,19 +44,29 @@ class Bodies:
 def inertias(train: Train, laws: Iterable[Law]) -> Bodies:
     """Where there is inertia, by the numbers that the blocks have now."""
     found = Bodies()
-    for c, law in zip(train.components, laws, strict=True):
-        names = list(type(c.block).flanges)
-        for flange, inertia in law.bodies:
-            node = c.nodes[names.index(flange)]
-            if _is_zero(c, law, inertia, found.zeros):
-                found.empty.append(node)
-            else:
-                found.present.append(node)
+    heavy: set[tuple[Kind, Any]] = set()  # kinds, and inertias of theirs that are made of numbers other than zero
+    for c, kind, law in zip(train.components, train.kinds, laws, strict=True):
+        for place, inertia in bodies_of(c, law):
+            if (kind, inertia) not in heavy:
+                values = _numbers_in(inertia, c, law)
+                if values and all(v != 0 for _, v in values.values()):
+                    heavy.add((kind, inertia))
+                elif inertia.xreplace({x: v for x, (_, v) in values.items()}) == 0:
+                    found.zeros.update((path, v) for path, v in values.values() if v == 0)
+                    found.empty.append(c.nodes[place])
+                    continue
+            found.present.append(c.nodes[place])
     return found
 
 
-def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]) -> bool:
-    """Whether an inertia is zero; its symbols are noted then."""
+def bodies_of(c: Component, law: Law) -> Iterable[tuple[int, Any]]:
+    """Number of the flange and inertia of each body of a component."""
+    names = tuple(type(c.block).flanges) if law.bodies else ()
+    return ((names.index(flange), inertia) for flange, inertia in law.bodies)
+
+
+def _numbers_in(inertia: Any, c: Component, law: Law) -> dict[Any, tuple[str, float]]:
+    """Path and value of each symbol of an inertia."""
     numbers: dict[str, Any] = {}
     values: dict[Any, tuple[str, float]] = {}
     for symbol in inertia.free_symbols:
@@ -69,12 +80,7 @@ def _is_zero(c: Component, law: Law, inertia: Any, zeros: set[tuple[str, float]]
         if isinstance(value, Expr):
             value = evaluate(value, lambda leaf: leaf.args[0].si)
         values[symbol] = f"{c.path}.{meaning.of}", float(value.si if isinstance(value, Parameter) else value)
-    if all(v != 0 for _, v in values.values()) and values:
-        return False
-    if inertia.xreplace({x: v for x, (_, v) in values.items()}) != 0:
-        return False
-    zeros.update((path, v) for path, v in values.values() if v == 0)
-    return True
+    return values
 
 
 # -- numbers of groups ------------------------------------------------------------------------------------------------
@@ -126,9 +132,8 @@ def number_groups(assembly: Assembly, laws: list[Law], bodies: Bodies, known: Se
 def _unseen_nodes(train: Train) -> Iterable[int]:
     """Nodes that the assembly added."""
     for c in train.components:
-        for flange, node in zip(type(c.block).flanges.values(), c.nodes, strict=True):
-            if isinstance(flange, Unseen):
-                yield node
+        for place in places_of(type(c.block), Unseen):
+            yield c.nodes[place]
 
 
 def _floating_parts(
@@ -186,7 +191,7 @@ def _prescribed(assembly: Assembly, laws: list[Law]) -> Iterable[PrescribedRow]:
     """Prescribed motions over the roots of groups."""
     groups = assembly.groups
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
-        nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
+        nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True)) if law.prescribed else {}
         for number, motion in enumerate(law.prescribed):
             root, gain = groups.find(nodes[motion.flange])
             if root in groups.grounded:
@@ -223,18 +228,17 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
     """Roots of groups for which a component gives a start angle or speed."""
     found: dict[int, str] = {}
     for c, law in zip(assembly.train.components, laws, strict=True):
-        for flange, _ in law.bodies:
+        for place, _ in bodies_of(c, law):
             if any(given_start(c.block, of) is not None for of in (ANGLE, SPEED)):
-                node = c.nodes[list(type(c.block).flanges).index(flange)]
-                found.setdefault(assembly.groups.find(node)[0], c.path)
+                found.setdefault(assembly.groups.find(c.nodes[place])[0], c.path)
     return found
 
 
-def _through_lossy_ties(assembly: Assembly, laws: list[Law], owners: dict[int, tuple[str, Exact, bool]]) -> None:
+_Pair: TypeAlias = "tuple[tuple[int, Exact], tuple[int, Exact]]"  # groups with factors
+
+
+def _through_lossy_ties(pairs: Sequence[_Pair], owners: dict[int, tuple[str, Exact, bool]]) -> None:
     """Groups beside a lossy tie start as the other side does, where only that one is given."""
-    pairs = [
-        pair for c, law in zip(assembly.train.components, laws, strict=True) for pair in _lossy_pairs(assembly, c, law)
-    ]
     changed = True
     while changed:
         changed = False
@@ -253,11 +257,17 @@ def lossy_tie_of(c: Component, law: Law) -> Mapping[str, Any]:
     return tie_row(law) if isinstance(type(c.block).flanges.get(TIE), ForceUnknown) else {}
 
 
-def _lossy_pairs(assembly: Assembly, c: Component, law: Law) -> Iterable[tuple[tuple[int, Exact], tuple[int, Exact]]]:
-    """The two groups of a lossy tie with their factors in it."""
-    tied = lossy_tie_of(c, law)
-    if not tied:
-        return
+def _lossy_pairs(assembly: Assembly, laws: list[Law]) -> Iterable[tuple[Component, _Pair]]:
+    """Components with the two groups of their lossy tie and their factors in it."""
+    tied: dict[int, Mapping[str, Any]] = {}
+    for c, law in zip(assembly.train.components, laws, strict=True):
+        if id(law) not in tied:
+            tied[id(law)] = lossy_tie_of(c, law)
+        if tied[id(law)]:
+            yield from ((c, pair) for pair in _lossy_pair(assembly, c, law, tied[id(law)]))
+
+
+def _lossy_pair(assembly: Assembly, c: Component, law: Law, tied: Mapping[str, Any]) -> Iterable[_Pair]:
     numbers = {path: value for path, value, _ in numbers_of(c.block, "")}
     nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
     row: dict[int, Exact] = {}
@@ -277,17 +287,17 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
     """
     found: dict[str, dict[int, tuple[str, Exact, bool]]] = {ANGLE: {}, SPEED: {}}
     for c, law in zip(assembly.train.components, laws, strict=True):
-        for flange, _ in law.bodies:
-            group, gain = assembly.group_of_node[c.nodes[list(type(c.block).flanges).index(flange)]]
+        for place, _ in bodies_of(c, law):
+            group, gain = assembly.group_of_node[c.nodes[place]]
             for of, owners in found.items():
                 value = given_start(c.block, of)
                 given = value is not None
                 if group == GROUND_GROUP and of == SPEED and isinstance(value, (int, float)) and value != 0:
-                    name = start_fields(type(c.block))[of]
+                    name, flange = start_fields(type(c.block))[of], list(type(c.block).flanges)[place]
                     shown = f"{name} = {value!r} {'m/s' if flange in c.sliders else 'rad/s'}"
                     raise ModelError(f"'{c.path}': {shown}, but a Fixed holds this shaft; leave {name} out")
                 if group != GROUND_GROUP and (group not in owners or (given and not owners[group][2])):
-                    owner = c.path if takes_start(c.block, of) else f"{c.path}.{flange}"
+                    owner = c.path if takes_start(c.block, of) else f"{c.path}.{list(type(c.block).flanges)[place]}"
                     owners[group] = (owner, gain, given)
     count = assembly.n_speeds + assembly.n_massless + assembly.n_prescribed
     if any(group not in found[ANGLE] for group in range(count)):
@@ -297,14 +307,10 @@ def start_values(assembly: Assembly, laws: list[Law]) -> list[Any]:
                 if group != GROUND_GROUP:
                     for owners in found.values():
                         owners.setdefault(group, (f"{c.path}.{name}", gain, False))
+    lossy = [*_lossy_pairs(assembly, laws)]
     for owners in found.values():
-        _through_lossy_ties(assembly, laws, owners)
-    assembly.speed_ties = tuple(
-        pair
-        for c, law in zip(assembly.train.components, laws, strict=True)
-        if TIE in type(c.block).flanges
-        for pair in _lossy_pairs(assembly, c, law)
-    )
+        _through_lossy_ties([pair for _, pair in lossy], owners)
+    assembly.speed_ties = tuple(pair for c, pair in lossy if TIE in type(c.block).flanges)
     for part, whole in assembly.floating.items():  # a part is named as its shaft
         for owners in found.values():
             owners[part] = owners[whole]

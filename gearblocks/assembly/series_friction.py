@@ -38,7 +38,7 @@ def with_series_locked(assembly: Assembly) -> tuple[Train, tuple[tuple[str, floa
         for index, strength in found.items():
             numbers += strength.numbers
             if index != weakest:
-                components[index] = replace(components[index], block=held_fast(components[index].block))
+                components[index] = components[index]._replace(block=held_fast(components[index].block))
     return replace(assembly.train, components=tuple(components)), tuple(numbers)
 
 

@@ -31,9 +31,9 @@ class BatchCode:
         self.lay, self.number, self.batch, self.offsets = lay, number, batch, offsets
         self.law = batch.law
         self.n = len(batch.components)
-        components = [lay.assembly.train.components[i] for i in batch.components]
-        self.paths = [c.path for c in components]
-        self.words = of_components(type(components[0].block).__name__, self.paths)
+        self.components = [lay.assembly.train.components[i] for i in batch.components]
+        self.paths = [c.path for c in self.components]
+        self.words = of_components(type(self.components[0].block).__name__, self.paths)
         self.hoister = Hoister(self.law.pool)
         self._in_motion: list[Any] = []
         self.symbols = SymbolNames(lay, number, batch, offsets)

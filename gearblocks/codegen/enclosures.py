@@ -9,6 +9,7 @@ arithmetic. Knows nothing of how crossings are located.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from gearblocks.assembly.assemble import GROUND_GROUP
@@ -241,14 +242,14 @@ class _Reading:
         batch = self.code.batch
         if batch.used and not batch.used[j]:
             return self._from_angles(j)
-        key = self.names.argument("int", f"q{j}", batch.name, batch.sources[j])
+        key = self.code.symbols.argument(self.names, "int", f"q{j}", lambda: batch.sources[j])
         return self._column(self.first["loops" if batch.dependent[j] else "states"], key)
 
     def _from_angles(self, j: int) -> str:
         """A coordinate that is no state."""
         total = ""
         for flange, values in self.code.symbols.form(j).items():
-            key = self.names.argument("double", f"c{j}_{flange}", self.code.batch.name, values)
+            key = self.code.symbols.argument(self.names, "double", f"c{j}_{flange}", partial(list, values))
             at = self._flange("phi", flange)
             angle = at if isinstance(at, str) else f"gb_enclosed_scale({', '.join(at)})"
             term = f"gb_enclosed_scale({angle}, {key})"

@@ -18,6 +18,7 @@ from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.operands import Assignment, Operand, Role
 from gearblocks.codegen.parts import Call, FeedbackSignal
 from gearblocks.codegen.switched_constraints import constraint_torques
+from gearblocks.codegen.symbol_names import by_name
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names
@@ -152,8 +153,7 @@ def order_signals(
         if path in done:
             return
         code, e, expr, show = _shown(codes, assembly, path)
-        roles = [code.law.pool.roles[x] for x in expr.free_symbols]
-        for role in roles:
+        for role in (code.law.pool.roles[x] for x in by_name(expr)):
             if role.role == "sense":
                 visit(role.of, (*chain, path))
         signal = signals[path]

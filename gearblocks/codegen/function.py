@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from gearblocks.codegen.operands import NONE, Local, Operand, Role, Roles, Statement
@@ -15,7 +16,7 @@ UNROLLED = 8
 """Batches of at most this many instances are called one by one, with numbers in place of table columns."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Column:
     """One number per instance of a batch: a constant, an arithmetic progression or a table."""
 
@@ -25,8 +26,9 @@ class Column:
     @property
     def is_table(self) -> bool:
         """Whether it needs an array in C."""
-        return len(self.values) > 2 and self._progression() is None
+        return len(self.values) > 2 and self._progression is None
 
+    @cached_property
     def _progression(self) -> tuple[Any, Any] | None:
         v: tuple[Any, ...] = self.values
         start = v[0]
@@ -42,7 +44,7 @@ class Column:
 
     def text(self) -> str:
         """C for the entry of instance `e`."""
-        found = self._progression()
+        found = self._progression
         if found is None:
             return f"{self.name}[e]"
         start, step = found
@@ -104,10 +106,10 @@ class Names:
         self.constants[name] = self.place(operand)
         return name
 
-    def argument(self, kind: str, name: str, of_batch: str, values: list[Any]) -> str:
+    def take(self, argument: Argument) -> str:
         """A number of the instance."""
-        self.arguments[name] = Argument(kind, name, column(f"{of_batch}_{name}", values))
-        return name
+        self.arguments[argument.name] = argument
+        return argument.name
 
     @property
     def states(self) -> Role:
@@ -200,3 +202,9 @@ class Function:
 def identifier(text: str) -> str:
     """A C identifier from a path."""
     return re.sub(r"\W+", "_", text).strip("_")
+
+
+def texts_of(values: Sequence[Exact] | Sequence[float]) -> list[str]:
+    """C of numbers, none of them -0.0; equal ones share theirs, as long trains have many."""
+    texts = {x: repr(float(x)) for x in set(values)}
+    return [texts[x] for x in values]

@@ -156,7 +156,7 @@ def _shows(g: Generator, code: BatchCode) -> None:
         unwrapped = (code.number, i) in g.wrapping.unwrapped
         out = Operand(Role.OUTPUTS, len(g.outputs), instance=True)
         shows[unwrapped].append(Assignment(out, "show", located(expr) if unwrapped else expr))
-        g.output_groups.append(shown(g, code, show.name, show.unit, show.words))
+        g.output_groups.append(shown(code, show.name, show.unit, show.words))
     for vector, name, those in (
         (Role.STATES, "outputs", shows[False]), (Role.UNWRAPPED_ANGLES, "unwrapped_outputs", shows[True]),
     ):  # fmt: skip

@@ -6,10 +6,9 @@ Knows nothing of laws; hoisted terms, switches and the ledger get their offsets 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Assembly, Batch
@@ -19,8 +18,10 @@ from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.fields import ANGLE, RELATIVE_ANGLE, RELATIVE_SPEED, SPEED, Field
 from gearblocks.language.signals import Input, Parameter
 from gearblocks.language.units import parse_unit, unit_along
+from gearblocks.train.graph import Component
+from gearblocks.train.structure import Kind
 from gearblocks.train.translational import field_along, slider_names, start_name, words_along
-from gearblocks.train.values import leaves_of, numbers_of
+from gearblocks.train.values import numbers_of
 
 PAD = 8
 
@@ -86,33 +87,41 @@ def is_start(batch: Batch, spec: Field) -> bool:
     return spec.start in (RELATIVE_ANGLE, RELATIVE_SPEED) or (bool(batch.law.bodies) and spec.start is not None)
 
 
-def own_numbers(batch: Batch, assembly: Assembly) -> Iterator[tuple[str, Field, int, Any]]:
-    """(path inside the block, field, instance, value) of every tunable number of a batch."""
-    for e, index in enumerate(batch.components):
-        for path, value, spec in numbers_of(assembly.train.components[index].block, ""):
-            if spec.role in ("param", "signal") and isinstance(value, (int, float)):
-                yield path, spec, e, value
+def _own_numbers(batch: Batch, kind: Kind) -> list[tuple[str, Field]]:
+    """(path inside the block, field) of every tunable number of a kind, start values aside."""
+    return [
+        (path, spec)
+        for path, value, spec in kind.numbers(kind.example)
+        if spec.role in ("param", "signal") and isinstance(value, (int, float)) and not is_start(batch, spec)
+    ]
 
 
 def _parameters(lay: Layout) -> None:
-    components = lay.assembly.train.components
+    train = lay.assembly.train
     for b, batch in enumerate(lay.assembly.batches):
-        columns: dict[str, list[tuple[str, Field]]] = {}
-        for path, spec, e, _ in own_numbers(batch, lay.assembly):
-            if not is_start(batch, spec):
-                owner = components[batch.components[e]]
-                columns.setdefault(path, []).append((owner.path, field_along(spec, owner.slides)))
+        columns: dict[str, list[tuple[Component, Field]]] = {}
+        own: dict[Kind, list[tuple[list[tuple[Component, Field]], Field]]] = {}
+        for index in batch.components:
+            owner, kind = train.components[index], train.kinds[index]
+            if kind not in own:
+                own[kind] = [(columns.setdefault(path, []), spec) for path, spec in _own_numbers(batch, kind)]
+            for column, spec in own[kind]:
+                column.append((owner, spec))
         for path, entries in columns.items():
             lay.own[b, path] = len(lay.parameters)
-            for name, spec in entries:
-                _add(lay, f"{name}.{path}", spec, tunable=True)
-    for c in components:
-        for leaf in leaves_of(c.block):
+            infos: dict[tuple[int, bool], ParameterInfo] = {}
+            for owner, spec in entries:
+                sort = id(spec), owner.slides
+                if sort not in infos:
+                    infos[sort] = _info(field_along(spec, owner.slides), tunable=True)
+                _add(lay, f"{owner.path}.{path}", infos[sort])
+    for kind in dict.fromkeys(train.kinds):
+        for leaf in kind.leaves:
             if isinstance(leaf, Parameter):
                 lay.shared_objects.setdefault(leaf.name, leaf)
             else:
                 lay.inputs.setdefault(leaf.name, leaf)
-    for expr in lay.assembly.train.coordinates:
+    for expr in train.coordinates:
         for found in expr.expr.leaves():
             if found.op == "parameter":
                 lay.shared_objects.setdefault(found.args[0].name, found.args[0])
@@ -122,7 +131,7 @@ def _parameters(lay: Layout) -> None:
         gt, ge, lt, le = narrowest.get(name, (None, None, None, None))
         unit = parse_unit(parameter.unit)
         spec = Field(f"parameter {name}", unit.si, "param", gt=gt, ge=ge, lt=lt, le=le)
-        _add(lay, name, spec, tunable=True, given_in="" if unit.is_coherent else unit.text)
+        _add(lay, name, _info(spec, tunable=True, given_in="" if unit.is_coherent else unit.text))
     _start_values(lay)
 
 
@@ -166,23 +175,27 @@ def _narrowest(bounds: list[Bounds]) -> Bounds:
     return max(gt, default=None), max(ge, default=None), min(lt, default=None), min(le, default=None)
 
 
-def _add(lay: Layout, path: str, spec: Field, *, tunable: bool, start: str = "", given_in: str = "") -> int:
+def _info(spec: Field, *, tunable: bool, start: str = "", given_in: str = "") -> ParameterInfo:
+    """The entry of a number of a field, without its path."""
     open_lower = spec.gt is not None and (spec.ge is None or spec.gt >= spec.ge)
     open_upper = spec.lt is not None and (spec.le is None or spec.lt <= spec.le)
     lower, upper = (spec.gt if open_lower else spec.ge), (spec.lt if open_upper else spec.le)
-    lay.path_of[path] = len(lay.parameters)
-    lay.parameters.append(
-        ParameterInfo(
-            path, spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper, given_in, spec.why
-        )
+    return ParameterInfo(
+        "", spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper, given_in, spec.why
     )
-    return len(lay.parameters) - 1
+
+
+def _add(lay: Layout, path: str, info: ParameterInfo) -> int:
+    """Gives a number its offset."""
+    offset = lay.path_of[path] = len(lay.parameters)
+    lay.parameters.append(ParameterInfo(path, *info[1:]))
+    return offset
 
 
 @cache
-def _start_field(words: str, unit: str) -> Field:
-    """A start value as a field: one for all blocks that have it."""
-    return Field(words, unit, "param")
+def _start_info(words: str, unit: str, of: str, slides: bool) -> ParameterInfo:
+    """The entry of a start value: one for all blocks that have it."""
+    return _info(Field(words_along(words, slides), unit_along(unit, slides), "param"), tunable=False, start=of)
 
 
 def _start_values(lay: Layout) -> None:
@@ -202,16 +215,15 @@ def _start_values(lay: Layout) -> None:
             else:
                 name = f"{path}.{start_name(blocks.get(path), of, slides)}"
                 if name not in known:  # both sides of a lossy gear may start as one body says
-                    spec = _start_field(words_along(words, slides), unit_along(unit, slides))
-                    known[name] = _add(lay, name, spec, tunable=False, start=of)
+                    known[name] = _add(lay, name, _start_info(words, unit, of, slides))
                 target.append(known[name])
     for b, batch in enumerate(lay.assembly.batches):
         for state in batch.law.rates:
             lay.state_start[b, state] = len(lay.parameters)
             for index in batch.components:
                 c = lay.assembly.train.components[index]
-                unit = "1" if "." in state else unit_along(type(c.block).states[state].unit, c.slides)
-                _add(lay, f"{c.path}.{state}", _start_field("start value", unit), tunable=False, start="state")
+                unit = "1" if "." in state else type(c.block).states[state].unit
+                _add(lay, f"{c.path}.{state}", _start_info("start value", unit, "state", c.slides))
 
 
 def speed_index(lay: Layout, batch: Batch, flange: str) -> list[int]:

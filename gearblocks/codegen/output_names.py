@@ -20,19 +20,13 @@ from gearblocks.codegen.program import (
 from gearblocks.language.block import declared_state
 from gearblocks.language.fields import ANGLE, SPEED, Unseen
 from gearblocks.language.units import unit_along
-from gearblocks.train.graph import Component
-from gearblocks.train.heat import heat_paths
+from gearblocks.train.heat import has_heat, heat_paths
 from gearblocks.train.translational import flange_names, slider_names, words_along
 
 
-def components_of(g: Generator, code: BatchCode) -> list[Component]:
-    """The components of a batch, one per instance."""
-    return [g.assembly.train.components[i] for i in code.batch.components]
-
-
-def shown(g: Generator, code: BatchCode, name: str, unit: str, words: str) -> OutputGroup:
+def shown(code: BatchCode, name: str, unit: str, words: str) -> OutputGroup:
     """One output of the blocks of a batch."""
-    slides = bytes(c.slides for c in components_of(g, code))
+    slides = bytes(c.slides for c in code.components)
     return _group(tuple(code.paths), (name, name), unit, words, slides)
 
 
@@ -40,7 +34,7 @@ def flange_outputs(g: Generator) -> Iterator[OutputGroup]:
     """Outputs of the flanges and the coordinates for reading, which follow the outputs of the blocks."""
     flanges, _ = flanges_of(g)
     owners = [tuple(f"{path}.{flange}" for path in code.paths) for code, flange in flanges]
-    slides = [bytes(flange in c.sliders for c in components_of(g, code)) for code, flange in flanges]
+    slides = [bytes(flange in c.sliders for c in code.components) for code, flange in flanges]
     for i, (unit, words) in enumerate((
         ("rad", "angle"), ("rad/s", "speed"), ("N m", "torque of the block on the flange"),
         ("W", POWER_INTO_FLANGE),
@@ -65,14 +59,14 @@ def flanges_of(g: Generator) -> tuple[list[tuple[BatchCode, str]], list[tuple[Ba
     both: tuple[list[tuple[BatchCode, str]], list[tuple[BatchCode, str]]] = [], []
     for code in g.codes:
         for flange in code.batch.flanges:
-            kind = type(components_of(g, code)[0].block)
+            kind = type(code.components[0].block)
             both[isinstance(kind.flanges[flange], Unseen)].append((code, flange))
     return both
 
 
-def shown_bodies(g: Generator, code: BatchCode) -> list[str]:
+def shown_bodies(code: BatchCode) -> list[str]:
     """The flanges of a batch at which its bodies are, those that the assembly added aside."""
-    flanges = type(components_of(g, code)[0].block).flanges
+    flanges = type(code.components[0].block).flanges
     return [flange for flange, _ in code.law.bodies if not isinstance(flanges[flange], Unseen)]
 
 
@@ -81,7 +75,7 @@ def state_quantities(g: Generator) -> list[Quantity]:
     lay = g.lay
     states: list[Quantity] = [Quantity("", "rad", "coordinate", "coordinate")] * lay.n
     for code in g.codes:
-        for e, c in enumerate(components_of(g, code)):
+        for e, c in enumerate(code.components):
             for j in range(len(code.law.forms)):
                 if code.batch.used[j] and not code.batch.dependent[j]:
                     unit, words = unit_along("rad", c.slides), words_along("relative angle", c.slides)
@@ -105,10 +99,12 @@ def state_quantities(g: Generator) -> list[Quantity]:
 
 def heat_infos(g: Generator) -> Iterator[HeatInfo]:
     """What the thermal column of the ledger adds up."""
-    components = g.assembly.train.components
-    paths = {path.component: path for path in heat_paths({c.path: c.block for c in components})}
-    for code in g.codes if paths else ():
-        for e, c in enumerate(components_of(g, code)):
+    train = g.assembly.train
+    if not has_heat(train.examples):
+        return
+    paths = {path.component: path for path in heat_paths({c.path: c.block for c in train.components})}
+    for code in g.codes:
+        for e, c in enumerate(code.components):
             if (path := paths.get(c.path)) is not None:
                 offset = g.lay.state0[code.number, path.state] + e
                 yield HeatInfo(c.path, offset, path.source, path.sink, path.is_loss)
@@ -117,9 +113,9 @@ def heat_infos(g: Generator) -> Iterator[HeatInfo]:
 def start_infos(g: Generator) -> Iterator[StartInfo]:
     """Names under which start values can be given: angle and speed of every body, states of blocks."""
     for code in g.codes:
-        for flange in shown_bodies(g, code):
+        for flange in shown_bodies(code):
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
-            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+            for c, group, gain in zip(code.components, groups, gains, strict=True):
                 if group != GROUND_GROUP and group < len(g.assembly.starts):
                     start, (angle, speed, _, _) = g.assembly.starts[group], flange_names(flange in c.sliders)
                     yield StartInfo(f"{c.path}.{angle}", g.lay.phi0[group], float(start.phi0_gain / gain), ANGLE)
@@ -136,9 +132,9 @@ def dependent_starts(g: Generator) -> Iterator[DependentStart]:
     a, lay = g.assembly, g.lay
     expanded = expand_rows(a)
     for code in g.codes:
-        for flange in shown_bodies(g, code):
+        for flange in shown_bodies(code):
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
-            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+            for c, group, gain in zip(code.components, groups, gains, strict=True):
                 if group not in expanded or any(source >= len(a.starts) for source in expanded[group].groups):
                     continue
                 row, (angle, speed, _, _) = expanded[group], flange_names(flange in c.sliders)
@@ -179,8 +175,8 @@ def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:
     """Start values of bodies on shafts with prescribed motion, or whose speed or angle a balance of torques gives."""
     causes = _causes(g)
     for code in g.codes:
-        for flange in shown_bodies(g, code):
-            for c, group in zip(components_of(g, code), code.batch.groups[flange], strict=True):
+        for flange in shown_bodies(code):
+            for c, group in zip(code.components, code.batch.groups[flange], strict=True):
                 found = causes.get(group, {})
                 names = flange_names(flange in c.sliders)
                 if "speed" in found:
@@ -220,6 +216,6 @@ def unknown_outputs(g: Generator) -> Iterator[tuple[str]]:
         roles = code.law.pool.roles
         for show, expr in code.shows:
             read = {roles[x].of for x in expr.free_symbols if x in roles and roles[x].role == "alpha"}
-            for e, c in enumerate(components_of(g, code)):
+            for e, c in enumerate(code.components):
                 if any(code.batch.groups[f][e] in massless for f in read if f in code.batch.groups):
                     yield (f"{c.path}.{show.name}",)

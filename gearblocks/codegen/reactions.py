@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from gearblocks.assembly.elimination import Combination, Elimination, Row, add_row, row_sum
+from gearblocks.codegen.function import texts_of
 from gearblocks.errors import ModelError
 from gearblocks.laws.rational import Exact, over
 
@@ -36,9 +37,9 @@ class Reaction:
 
 
 def flange_numbers(g: Generator) -> dict[str, dict[int, int]]:
-    """Number in flange_tau of the flange of each component at each node."""
+    """Number in flange_tau of the flange at each node of each component that holds or moves shafts."""
     numbers: dict[str, dict[int, int]] = {}
-    for code in g.codes:
+    for code in (x for x in g.codes if x.law.ties or x.law.prescribed):
         for flange in code.batch.flanges:
             for e in range(code.n):
                 mine = numbers.setdefault(code.paths[e], {})
@@ -56,17 +57,18 @@ def reaction_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) ->
     tables |= {"effect_start": [0], "effect_node": [], "effect_flange": [], "effect_gain": [], "effect_value": []}
     for phase in phases:
         for reaction, forms in phase:
-            for node, value in forms.items():
-                tables["lambda_node"].append(node)
-                tables["lambda_value"].append(repr(float(value)))
+            tables["lambda_node"] += forms
+            tables["lambda_value"] += forms.values()
             tables["lambda_start"].append(len(tables["lambda_node"]))
-            for node, c in reaction.coefficients.items():
-                tables["effect_node"].append(node)
-                tables["effect_flange"].append(flange_of[reaction.component][node])
-                tables["effect_gain"].append(reaction.gain_index.get(node, -1))
-                tables["effect_value"].append(repr(float(c)))
+            flanges, nodes = flange_of[reaction.component], reaction.coefficients
+            tables["effect_node"] += nodes
+            tables["effect_flange"] += [flanges[node] for node in nodes]
+            tables["effect_gain"] += [reaction.gain_index.get(node, -1) for node in nodes]
+            tables["effect_value"] += nodes.values()
             tables["effect_start"].append(len(tables["effect_node"]))
         tables["phase"].append(len(tables["lambda_start"]) - 1)
+    for name in ("lambda_value", "effect_value"):
+        tables[name] = texts_of(tables[name])
     return tables
 
 

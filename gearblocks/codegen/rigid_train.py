@@ -8,14 +8,14 @@ Groups that rigid constraints determine are put in. For starts in which the trai
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, TypeAlias
 
 from gearblocks.assembly.assemble import expand_rows
 from gearblocks.assembly.elimination import Combination
 from gearblocks.assembly.tables import GROUND_GROUP
 from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.generator import Generator
-from gearblocks.codegen.output_names import components_of, shown_bodies
+from gearblocks.codegen.output_names import shown_bodies
 from gearblocks.codegen.program import UNKNOWN, AlgebraicSlip, GroupStart, RigidRow
 from gearblocks.language.block import given_start
 from gearblocks.language.fields import ACCELERATION, ANGLE, COMPLIANCE, RELATIVE_ANGLE, RELATIVE_SPEED, SPEED
@@ -24,6 +24,9 @@ from gearblocks.laws.algebraic_friction import slip_laws
 from gearblocks.laws.rational import Exact, exact_value
 from gearblocks.train.graph import Component
 from gearblocks.train.translational import flange_names
+
+_Form: TypeAlias = "tuple[tuple[int, ...], tuple[float, ...], tuple[int, ...], tuple[float, ...]]"
+"""Groups and offsets with their factors, as in a RigidRow."""
 
 
 def group_starts(g: Generator) -> Iterator[GroupStart]:
@@ -57,7 +60,7 @@ def _shown(g: Generator) -> Mapping[int, tuple[str, float]]:
     for code in g.codes:
         for flange in code.batch.flanges:
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
-            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+            for c, group, gain in zip(code.components, groups, gains, strict=True):
                 speed = flange_names(flange in c.sliders)[1]
                 found.setdefault(group, (f"{c.path}.{flange}.{speed}", float(gain)))
     return found
@@ -67,31 +70,34 @@ def body_rows(g: Generator) -> Iterator[RigidRow]:
     """The angle of every body."""
     expanded = expand_rows(g.assembly)
     for code in g.codes:
-        for flange in shown_bodies(g, code):
+        for flange in shown_bodies(code):
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
-            for c, group, gain in zip(components_of(g, code), groups, gains, strict=True):
+            for c, group, gain in zip(code.components, groups, gains, strict=True):
                 if group == GROUND_GROUP:
                     continue
-                form = Combination()
-                form.add(expanded.get(group, Combination({group: 1})), gain)
                 angle, speed, _, _ = flange_names(flange in c.sliders)
                 given = (given_start(c.block, of) is not None for of in (ANGLE, SPEED, ACCELERATION))
-                yield RigidRow(c.path, *_parts(g, form), f"{c.path}.{angle}", f"{c.path}.{speed}", *given)
+                row = _scaled(g, expanded[group], gain) if group in expanded else ((group,), (float(gain),), (), ())
+                yield RigidRow(c.path, *row, f"{c.path}.{angle}", f"{c.path}.{speed}", *given)
 
 
 def deflection_rows(g: Generator) -> Iterator[RigidRow]:
     """The relative angle of every compliant element, as far as it is linear in the angles."""
     a = g.assembly
     for code in g.codes:
-        for e, c in enumerate(components_of(g, code)):
-            if COMPLIANCE not in c.block.effects():
+        used = [j for j in range(len(code.law.forms)) if code.batch.used[j]]
+        for e, index in enumerate(code.batch.components if used else ()):
+            c = a.train.components[index]
+            if COMPLIANCE not in a.train.kinds[index].effects(c.block):
                 continue
-            for j in range(len(code.law.forms)):
-                if code.batch.used[j]:
-                    source = code.batch.sources[j][e]
-                    form = a.dependents[source] if code.batch.dependent[j] else Combination(coordinates={source: 1})
-                    row = RigidRow(c.path, *_parts(g, _over_groups(g, form)))
-                    yield row._replace(**_natural(g, c, code, j), **_given(c, j), varying=c.block.ratio_varies())
+            for j in used:
+                source = code.batch.sources[j][e]
+                if code.batch.dependent[j]:
+                    row = _parts(g, *_over_groups(g, a.dependents[source]))
+                else:
+                    row = _parts(g, a.rows[source], a.row_offsets[source])
+                more: dict[str, Any] = {**_natural(g, c, code, j), **_given(c, j)}
+                yield RigidRow(c.path, *row, varying=c.block.ratio_varies(), **more)
 
 
 def _given(c: Component, j: int) -> dict[str, Any]:
@@ -122,7 +128,7 @@ def slip_rows(g: Generator) -> Iterator[RigidRow]:
         form = Combination()
         for group, value in member.row.items():
             form.add(expanded.get(group, Combination({group: 1})), value)  # type: ignore[arg-type]  # floats
-        yield RigidRow(member.path, *_parts(g, form))
+        yield RigidRow(member.path, *_parts(g, form.groups, form.offsets))
 
 
 def algebraic_slips(g: Generator) -> Iterator[AlgebraicSlip]:
@@ -132,7 +138,7 @@ def algebraic_slips(g: Generator) -> Iterator[AlgebraicSlip]:
     expanded = expand_rows(g.assembly)
     for code in g.codes:
         batch = code.batch
-        flanges = type(components_of(g, code)[0].block).flanges
+        flanges = type(code.components[0].block).flanges
         for law in slip_laws(code.law, flanges):
             numbers = (law.forward, law.backward, law.engaged)
             forward, backward, engaged = (None if i is None else code.offsets.switches[i] for i in numbers)
@@ -143,7 +149,7 @@ def algebraic_slips(g: Generator) -> Iterator[AlgebraicSlip]:
                     if group != GROUND_GROUP:
                         gain = exact_value(expr, {s: v[e] for s, v in batch.exact.items()}) * batch.gains[flange][e]
                         form.add(expanded.get(group, Combination({group: 1})), gain)
-                groups, factors, _, _ = _parts(g, form)
+                groups, factors, _, _ = _parts(g, form.groups, form.offsets)
                 switches = (-1 if x is None else x + e for x in (forward, backward, engaged))
                 pressed = tuple(
                     g.lay.shared[x.of] if x.role == "shared" else g.lay.path_of[f"{path}.{x.of}"] for x in law.pressed
@@ -151,19 +157,20 @@ def algebraic_slips(g: Generator) -> Iterator[AlgebraicSlip]:
                 yield AlgebraicSlip(path, groups, factors, law.tie, tuple(switches), pressed)
 
 
-def _over_groups(g: Generator, form: Combination) -> Combination:
-    """A form over coordinates, over groups."""
+def _scaled(g: Generator, form: Combination, gain: Exact) -> _Form:
+    whole = Combination()
+    whole.add(form, gain)
+    return _parts(g, whole.groups, whole.offsets)
+
+
+def _over_groups(g: Generator, form: Combination) -> tuple[Mapping[int, Exact], Mapping[str, Exact]]:
+    """A form over coordinates, over groups and offsets."""
     whole = Combination(dict(form.groups), {}, dict(form.offsets))
     for source, factor in form.coordinates.items():
         whole.add(Combination(dict(g.assembly.rows[source]), {}, dict(g.assembly.row_offsets[source])), factor)
-    return whole
+    return whole.groups, whole.offsets
 
 
-def _parts(
-    g: Generator, form: Combination
-) -> tuple[tuple[int, ...], tuple[float, ...], tuple[int, ...], tuple[float, ...]]:
-    def numbers(values: Mapping[int, Exact] | Mapping[str, Exact]) -> tuple[float, ...]:
-        return tuple(float(x) for x in values.values())
-
-    offsets = tuple(g.lay.path_of[path] for path in form.offsets)
-    return tuple(form.groups), numbers(form.groups), offsets, numbers(form.offsets)
+def _parts(g: Generator, groups: Mapping[int, Exact], offsets: Mapping[str, Exact]) -> _Form:
+    places = tuple([g.lay.path_of[path] for path in offsets])
+    return tuple(groups), tuple(map(float, groups.values())), places, tuple(map(float, offsets.values()))

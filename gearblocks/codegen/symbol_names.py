@@ -5,15 +5,16 @@ Knows where each symbol lies in the vectors, and nothing of what the expressions
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import sympy as sp
 
 from gearblocks.assembly.assemble import GROUND_GROUP
 from gearblocks.assembly.tables import Batch
-from gearblocks.codegen.function import Names, identifier
+from gearblocks.codegen.function import Argument, Names, column, identifier
 from gearblocks.codegen.layout import Layout, speed_index
 from gearblocks.codegen.operands import Local, Operand, Role
 from gearblocks.codegen.parts import MasslessRows
@@ -58,6 +59,8 @@ class SymbolNames:
         self.lay, self.number, self.batch, self.offsets = lay, number, batch, offsets
         self.law = batch.law
         self.forces: Mapping[Any, Any] = {}
+        self._arguments: dict[str, Argument] = {}
+        self._scaled: dict[str, bool] = {}  # by flange: whether a gain is not 1
 
     def of(self, exprs: Iterable[Any], *, vector: Role = Role.STATES) -> Names:
         """The names of all symbols in the expressions."""
@@ -126,12 +129,18 @@ class SymbolNames:
         assert role == "input", role
         return Operand(Role.INPUTS, list(self.lay.inputs).index(of.name), lane=True)
 
+    def argument(self, into: Names, kind: str, name: str, values: Callable[[], Sequence[Any]]) -> str:
+        """A number of the instance, of which the column is made once."""
+        if name not in self._arguments:
+            self._arguments[name] = Argument(kind, name, column(f"{self.batch.name}_{name}", values()))
+        return into.take(self._arguments[name])
+
     # -- coordinates and flanges --------------------------------------------------------------------------------------
 
     def _coordinate(self, j: int, into: Names) -> str:
         if self.batch.used and not self.batch.used[j]:
             return self._from_angles(j, into)
-        key = into.argument("int", f"q{j}", self.batch.name, self.batch.sources[j])
+        key = self.argument(into, "int", f"q{j}", lambda: self.batch.sources[j])
         if not self.batch.dependent[j]:
             return into.place(Operand(into.states, key))
         vector = Role.DIRECTION_OF_DEPENDENT if into.vector is Role.DIRECTION else Role.DEPENDENT_COORDINATES
@@ -141,7 +150,7 @@ class SymbolNames:
         """A coordinate that is no state, from absolute angles (outputs only)."""
         terms = []
         for flange, values in self.form(j).items():
-            key = into.argument("double", f"c{j}_{flange}", self.batch.name, values)
+            key = self.argument(into, "double", f"c{j}_{flange}", partial(list, values))
             terms.append(f"{key} * ({self._flange('phi', flange, into)})")
         return " + ".join(terms)
 
@@ -171,12 +180,12 @@ class SymbolNames:
 
     def group_key(self, flange: str, into: Names, letter: str = "g") -> str:
         """The argument with the group of a flange."""
-        return into.argument("int", f"{letter}_{flange}", self.batch.name, self.batch.groups[flange])
+        return self.argument(into, "int", f"{letter}_{flange}", lambda: self.batch.groups[flange])
 
     def speed_key(self, flange: str, into: Names) -> str:
         """The index of a flange's speed: in the state vector, or among all groups where some of them are dependent."""
         if self.lay.assembly.plain:
-            return into.argument("int", f"v_{flange}", self.batch.name, speed_index(self.lay, self.batch, flange))
+            return self.argument(into, "int", f"v_{flange}", lambda: speed_index(self.lay, self.batch, flange))
         return self.group_key(flange, into)
 
     def held_angle(self, flange: str, into: Names) -> str:
@@ -185,16 +194,20 @@ class SymbolNames:
         at = [self.lay.path_of.get(offsets[node] or "", -1) for node in self.batch.nodes[flange]]
         if all(i < 0 for i in at):
             return "0.0"
-        key = into.argument("int", f"h_{flange}", self.batch.name, at)
+        key = self.argument(into, "int", f"h_{flange}", lambda: at)
         angle = into.place(Operand(Role.PARAMETERS, f"{key} < 0 ? 0 : {key}"))
         return f"{self._factor(flange, into)}({key} < 0 ? 0.0 : 1.0) * {angle}"
 
     def gain(self, flange: str, into: Names) -> str:
         """The argument with the gain of a flange on its group; "" where it is 1 throughout."""
-        gains = [float(g) for g in self.batch.gains[flange]]
-        if all(g == 1.0 for g in gains):
-            return ""
-        return into.argument("double", f"k_{flange}", self.batch.name, gains)
+        gains = self.batch.gains[flange]
+        if flange not in self._scaled:
+            self._scaled[flange] = any(float(g) != 1.0 for g in gains)
+        return (
+            self.argument(into, "double", f"k_{flange}", lambda: list(map(float, gains)))
+            if self._scaled[flange]
+            else ""
+        )
 
     def _factor(self, flange: str, into: Names) -> str:
         gain = self.gain(flange, into)

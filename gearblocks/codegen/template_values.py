@@ -10,7 +10,7 @@ from typing import Any
 
 from gearblocks.assembly.elimination import Combination
 from gearblocks.codegen.comments import PARTS
-from gearblocks.codegen.function import Function
+from gearblocks.codegen.function import Function, texts_of
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.operands import Operand, Role
 from gearblocks.codegen.output_names import flanges_of
@@ -75,13 +75,7 @@ def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int
             index.append(column)
             value.append(row[column])
         start.append(len(index))
-    return Sparse(name, start, index or [0], _texts(value) or ["0.0"])
-
-
-def _texts(values: Sequence[Exact] | Sequence[float]) -> list[str]:
-    """C of numbers, none of them -0.0; equal ones share theirs, as long trains have many."""
-    texts = {x: repr(float(x)) for x in set(values)}
-    return [texts[x] for x in values]
+    return Sparse(name, start, index or [0], texts_of(value) or ["0.0"])
 
 
 def view(g: Generator, angles_in_law: bool, coordinates: list[str]) -> dict[str, Any]:
@@ -397,4 +391,4 @@ def _flanges(g: Generator) -> dict[str, Any]:
     at = {n: g.lay.path_of[path] for n, path in g.assembly.ground_offset.items() if path}
     offset = [at.get(n, -1) for n in node]
     count = {"count": len(node), "shown": sum(code.n for code, _ in shown)}
-    return count | {"group": group, "gain": _texts(gain), "offset": offset, "node": node}
+    return count | {"group": group, "gain": texts_of(gain), "offset": offset, "node": node}

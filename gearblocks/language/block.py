@@ -77,23 +77,16 @@ class Declared(metaclass=Documented):
             f"{kind} has no field '{name}'; it has {', '.join(fields) or 'none'}{did_you_mean(name, fields)}"
             for name in values if name not in fields
         ]  # fmt: skip
-        for name, spec in fields.items():
+        store.update(_defaults(type(self)))
+        for name, spec in _needed(type(self)):
+            if name not in values and (spec.required or not any(n in values for n in spec.or_one_of)):
+                unit = "" if spec.unit == "1" else f", {spec.unit}"
+                beside = f", or {' or '.join(spec.or_one_of)}" if spec.or_one_of else ""
+                problems.append(f"{kind} needs {name} ({spec.words}{unit}){beside}; it was not given")
+        for name, value in values.items():
             try:
-                if name in values:
-                    value = _plain(values[name], spec.many)
-                    if spec.part and isinstance(value, str) and not is_quantity(value):
-                        value = Expr("sense", f"{value}.{spec.part}")
-                    if spec.role == "exact":
-                        value = _exact(value)
-                    if type(value) not in _BARE and (spec.role in ("param", "signal") or spec.unit != "1"):
-                        value = _in_si(value, spec)
-                    store[name] = value if spec.convert is None else spec.convert(value)
-                elif spec.required or (spec.or_one_of and not any(n in values for n in spec.or_one_of)):
-                    unit = "" if spec.unit == "1" else f", {spec.unit}"
-                    beside = f", or {' or '.join(spec.or_one_of)}" if spec.or_one_of else ""
-                    problems.append(f"{kind} needs {name} ({spec.words}{unit}){beside}; it was not given")
-                else:
-                    store[name] = spec.default
+                if name in fields:
+                    store[name] = _kept(value, fields[name])
             except GearblocksError as error:
                 problems.append(f"{kind}: {name}: {error}")
         if problems:
@@ -132,6 +125,31 @@ class Declared(metaclass=Documented):
 
 
 _BARE = frozenset((float, int, bool, type(None)))
+
+
+@cache
+def _defaults(kind: type[Declared]) -> Mapping[str, Any]:
+    """Defaults of all fields, in their order."""
+    return MappingProxyType({name: spec.default for name, spec in kind.fields.items()})
+
+
+@cache
+def _needed(kind: type[Declared]) -> tuple[tuple[str, Field], ...]:
+    """The fields that must be given, by themselves or as one of several."""
+    return tuple((name, spec) for name, spec in kind.fields.items() if spec.required or spec.or_one_of)
+
+
+def _kept(value: Any, spec: Field) -> Any:
+    """A given value as the block keeps it."""
+    if type(value) not in _BARE:
+        value = _plain(value, spec.many)
+        if spec.part and isinstance(value, str) and not is_quantity(value):
+            value = Expr("sense", f"{value}.{spec.part}")
+        if spec.role == "exact":
+            value = _exact(value)
+        if type(value) not in _BARE and (spec.role in ("param", "signal") or spec.unit != "1"):
+            value = _in_si(value, spec)
+    return value if spec.convert is None else spec.convert(value)
 
 
 def _in_si(value: Any, spec: Field) -> Any:
@@ -207,6 +225,12 @@ def _over_slip(kind: type[Declared]) -> tuple[str, ...]:
 def start_fields(kind: type[Declared]) -> Mapping[str, str]:
     """Names of the fields that are start values, by what they are of: "angle" and "speed", where they are declared."""
     return MappingProxyType({spec.start: name for name, spec in kind.fields.items() if spec.start is not None})
+
+
+@cache
+def places_of(kind: type[Declared], sort: type[Flange]) -> tuple[int, ...]:
+    """Numbers of the flanges of a kind that are of a sort."""
+    return tuple(i for i, flange in enumerate(kind.flanges.values()) if isinstance(flange, sort))
 
 
 def given_start(block: Declared, of: str) -> Any:

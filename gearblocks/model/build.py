@@ -13,10 +13,9 @@ import numpy as np
 
 from gearblocks.codegen.program import Program
 from gearblocks.errors import ModelError, log
-from gearblocks.language.block import Declared
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Input, Parameter
-from gearblocks.model.cache_key import classes_digest, package_digest
+from gearblocks.model.cache_key import classes_digest, package_digest, structural_text
 from gearblocks.model.following_starts import with_starts
 from gearblocks.model.relative_starts import solve_relative
 from gearblocks.model.start_accelerations import fit_accelerations
@@ -26,8 +25,6 @@ from gearblocks.solver.library import Model, compile_program, core_identity, sta
 from gearblocks.train.expression_depth import refused_where_too_deep
 from gearblocks.train.graph import GROUND, Train, Tree, flatten
 from gearblocks.train.rules import Rules
-from gearblocks.train.structure import structural_text, structure_of
-from gearblocks.train.values import leaves_of, numbers_of
 
 
 def build_train(train: Train) -> Model:
@@ -133,14 +130,15 @@ def _values(train: Train) -> tuple[dict[str, float], set[str]]:
     values: dict[str, float] = {}
     shared: dict[str, Parameter | Input] = {}
     problems: dict[str, None] = {}
-    for c in train.components:
-        for path, value, spec in numbers_of(c.block, c.path + "."):
+    for c, kind in zip(train.components, train.kinds, strict=True):
+        for name, value, spec in kind.numbers(c.block):
             if isinstance(value, (int, float)):
-                values[path] = float(value)
+                values[f"{c.path}.{name}"] = float(value)
             elif isinstance(value, Expr) and spec.start is not None:
-                values[path] = evaluate(value, parameter_value)
-        _starts(c.path, c.block, values)
-        for leaf in leaves_of(c.block):
+                values[f"{c.path}.{name}"] = evaluate(value, parameter_value)
+        for name, start in kind.states:
+            values[f"{c.path}.{name}"] = start
+        for leaf in kind.leaves:
             if shared.setdefault(leaf.name, leaf) != leaf:
                 problems[_two_meanings(shared[leaf.name], leaf)] = None
     for coordinate in train.coordinates:
@@ -172,22 +170,13 @@ def _check_against(program: Program, train: Train, values: dict[str, float], nam
         raise ModelError(problems)
 
 
-def _starts(path: str, owner: Declared, values: dict[str, float], prefix: str = "") -> None:
-    for name, state in type(owner).states.items():
-        values[f"{path}.{prefix}{name}"] = state.start
-    for name in type(owner).fields:
-        part = owner.__dict__[name]
-        if isinstance(part, Declared):
-            _starts(path, part, values, f"{prefix}{name}.")
-
-
 def check_user_blocks(train: Train) -> None:
     """ModelError for all that is wrong in what blocks written by users yield. Blocks of the catalogue cost nothing."""
     seen: set[Any] = set()
     problems: list[str] = []
-    for c in train.components:
+    for c, kind in zip(train.components, train.kinds, strict=True):
         if not type(c.block).__module__.startswith("gearblocks."):
-            key = (structure_of(c.block), tuple(node == GROUND for node in c.nodes))
+            key = (kind.structure, tuple(node == GROUND for node in c.nodes))
             if key not in seen:
                 from gearblocks.laws.checks import physics_problems
 

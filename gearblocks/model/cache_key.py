@@ -33,9 +33,9 @@ def package_digest(package: Path = PACKAGE) -> str:
 
 def classes_digest(train: Train) -> str:
     """Digest of the code of every class of blocks and effects that is not ours."""
-    classes: set[type[Declared]] = {type(c.block) for c in train.components}
-    for c in train.components:
-        classes |= {type(v) for v in c.block.__dict__.values() if isinstance(v, Declared)}
+    classes: set[type[Declared]] = {type(block) for block in train.examples}
+    for block in train.examples:
+        classes |= {type(v) for v in block.__dict__.values() if isinstance(v, Declared)}
     foreign = sorted(
         (cls for cls in classes if not cls.__module__.startswith("gearblocks.")),
         key=lambda c: (c.__qualname__, c.__module__),
@@ -44,6 +44,14 @@ def classes_digest(train: Train) -> str:
         if (one.__module__, one.__qualname__) == (other.__module__, other.__qualname__):
             raise ModelError(f"two classes of blocks are named {one.__qualname__}; rename one, or make its blocks anew")
     return digest(*(_class_text(cls) for cls in foreign))
+
+
+def structural_text(train: Train) -> str:
+    """Canonical text of the whole structure: equal text, equal program."""
+    lines = [train.name, str(train.n_nodes)]
+    lines += [f"{c.path} {kind.digest} {c.nodes}" for c, kind in zip(train.components, train.kinds, strict=True)]
+    lines += [f"{c.name} {c.expr} {c.unit}" for c in train.coordinates]
+    return "\n".join(lines)
 
 
 def _class_text(cls: type) -> str:

@@ -142,7 +142,7 @@ def shares_by_element(mode: FastMode) -> dict[str, float]:
 
 def _modes(train: Train) -> tuple[ModeOfElement, ...]:
     """The fastest modes about the start, teeth in contact."""
-    touching = replace(train, components=tuple(replace(c, block=closed(c.block)) for c in train.components))
+    touching = replace(train, components=tuple(c._replace(block=closed(c.block)) for c in train.components))
     try:
         model = build_train(touching)
         program = model.program

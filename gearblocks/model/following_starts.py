@@ -89,4 +89,4 @@ def _with_numbers(c: Component, model: Model, vector: Array) -> Component:
             return float(vector[numbers[given.name]])
         return evaluate(given, lambda leaf: float(vector[numbers[leaf.args[0].name]]))
 
-    return replace(c, block=c.block.changed(**{name: value_of(c.block.__dict__[name]) for name in names}))
+    return c._replace(block=c.block.changed(**{name: value_of(c.block.__dict__[name]) for name in names}))

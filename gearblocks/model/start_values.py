@@ -126,9 +126,10 @@ def fitted_later(program: Program, train: Train) -> frozenset[int]:
 def fit_prescribed(model: Model, train: Train) -> None:
     """The same for groups with a prescribed motion, compared with their outputs at t = 0: open start values are found (into
     model.values). ModelError for given start values that cannot be."""
-    blocks: dict[str, Block] = {c.path: c.block for c in train.components}
+    infos = model.program.prescribed_starts
+    blocks: dict[str, Block] = {c.path: c.block for c in train.components} if infos else {}
     given = []
-    for info in model.program.prescribed_starts:
+    for info in infos:
         path = info.name.rpartition(".")[0]
         value = start_of(blocks[path], info.of)
         if value is not None:

@@ -6,16 +6,18 @@ Frozen; found without sympy. Knows nothing of laws: whether a node moves by itse
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
 
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block
 from gearblocks.language.expression import Expr
 from gearblocks.plurals import singular
 from gearblocks.train.disjoint_sets import DisjointSets
-from gearblocks.train.heat import receiving
+from gearblocks.train.heat import has_heat, receiving
 from gearblocks.train.nesting import localised
+from gearblocks.train.structure import Kind, kinds_of
 from gearblocks.train.translational import sliders_of, sliding_nodes
 from gearblocks.train.values import unit_problems
 
@@ -55,8 +57,7 @@ def blocks_of(tree: Tree, prefix: str = "") -> Iterator[tuple[str, Block]]:
             yield prefix + name, part
 
 
-@dataclass(frozen=True, slots=True)
-class Component:
+class Component(NamedTuple):
     """One block with its full path and the node of each flange (GROUND where it means the ground)."""
 
     path: str
@@ -66,7 +67,7 @@ class Component:
     slides: bool = False  # whether those slide that take both: units are then those of sliders
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Train:
     """All components of a train, flat, and how many nodes join them."""
 
@@ -74,6 +75,19 @@ class Train:
     components: tuple[Component, ...]
     n_nodes: int
     coordinates: tuple[Coordinate, ...] = ()
+
+    @cached_property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The kind of each component."""
+        return kinds_of(c.block for c in self.components)
+
+    @cached_property
+    def examples(self) -> tuple[Block, ...]:
+        """A block of each kind."""
+        return tuple(kind.example for kind in dict.fromkeys(self.kinds))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Train, (self.name, self.components, self.n_nodes, self.coordinates)
 
     def __repr__(self) -> str:
         return f"<Train '{self.name}': {len(self.components)} components, {self.n_nodes} nodes>"
@@ -89,25 +103,24 @@ def flatten(tree: Tree, *, complete: bool = True, whole: bool = False) -> Train:
     return _number(tree, parts, complete)
 
 
-_End: TypeAlias = "tuple[str, str]"  # full path of a block, name of its flange
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Parts:
-    """Blocks with their full paths; nodes: flanges that are connected are one; joined: flanges that stand in a link.
+    """Blocks with their full paths and the number of their first flange; nodes: flanges that are connected are one; joined:
+    flanges that stand in a link.
 
-    whole: composite blocks stay as they are.
+    whole: composite blocks stay as they are. n: flanges so far.
     """
 
-    blocks: list[tuple[str, Block]]
-    nodes: DisjointSets[_End]
-    joined: set[_End]
+    blocks: list[tuple[str, Block, int]]
+    nodes: DisjointSets[int]
+    joined: set[int]
     whole: bool
+    n: int = 0
 
-    def enter(self, node: Tree, prefix: str) -> dict[str, _End]:
+    def enter(self, node: Tree, prefix: str) -> dict[str, int]:
         """Takes the parts and links of a tree; what its exposed flanges are."""
-        local: dict[tuple[str, str], _End] = {}
-        names = {name for name, _ in node.parts}
+        local: dict[tuple[str, str], int] = {}
+        names = {name for name, _ in node.parts} if prefix else set()
         for name, part in node.parts:
             path = prefix + name
             if prefix and isinstance(part, Block):
@@ -116,11 +129,14 @@ class _Parts:
             if inner is not None:
                 local |= {(name, flange): end for flange, end in self.enter(inner, path + ".").items()}
                 continue
-            self.blocks.append((path, part))
-            local |= {(name, flange): (path, flange) for flange in type(part).flanges}
+            self.blocks.append((path, part, self.n))
+            for flange in type(part).flanges:
+                local[name, flange] = self.n
+                self.n += 1
         for link in node.links:
+            first = local[link[0]]
             for end in link[1:]:
-                self.nodes.join(local[end], local[link[0]])
+                self.nodes.join(local[end], first)
             self.joined.update(local[end] for end in link)
         return {name: local[end] for name, end in node.exposed}
 
@@ -139,20 +155,22 @@ def _inside(name: str, part: Any, whole: bool) -> Tree | None:
 
 def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
     """Numbers the nodes in the order of the components and refuses open ends."""
-    numbers, components, problems = dict[_End, int](), [], []
-    for path, block in parts.blocks:
-        nodes, who = [], f"{type(block).__name__} '{path}'"
-        for flange, spec in type(block).flanges.items():
-            connected = (path, flange) in parts.joined
+    numbers, components, problems = dict[int, int](), [], list[str]()
+    for path, block, first in parts.blocks:
+        nodes = []
+        for end, (flange, spec) in enumerate(type(block).flanges.items(), first):
+            connected = end in parts.joined
             if not connected and spec.ground:
                 nodes.append(GROUND)
                 continue
             if not connected and not spec.spare:
+                who = f"{type(block).__name__} '{path}'"
                 problems.append(f"flange '{flange}' of {who} is open: connect it (to an Inertia, a Fixed, ...)")
-            nodes.append(numbers.setdefault(parts.nodes.root((path, flange)), len(numbers)))
-        if len({n for n in nodes if n != GROUND}) < sum(n != GROUND for n in nodes) and len(nodes) > 1:
+            nodes.append(numbers.setdefault(parts.nodes.root(end), len(numbers)))
+        if len(set(nodes)) < len(nodes) and _is_looped(nodes):
             problems.append(
-                f"{who} is connected to itself: two of its flanges share one node; connect them to different shafts"
+                f"{type(block).__name__} '{path}' is connected to itself: two of its flanges share one node; connect them to "
+                f"different shafts"
             )
         components.append((path, block, tuple(nodes)))
     sliding, mixed = sliding_nodes(components, len(numbers))
@@ -160,11 +178,21 @@ def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
         raise ModelError(problems + mixed)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
-    flat = tuple(Component(*c, *(sliders_of(c[1], c[2], sliding) if sliding else ())) for c in components)
-    wrong = [problem for c in flat for problem in unit_problems(c.path, c.block, c.slides)]
+    slides = (sliders_of(block, nodes, sliding) if sliding else () for _, block, nodes in components)
+    flat = [Component(*c, *more) for c, more in zip(components, slides, strict=True)]
+    train = Train(tree.name, tuple(flat), len(numbers), tree.coordinates)
+    some = [c for c, kind in zip(flat, train.kinds, strict=True) if not kind.is_plain]
+    wrong = [problem for c in some for problem in unit_problems(c.path, c.block, c.slides)]
     if wrong:
         raise ModelError(wrong)
-    heated = receiving({c.path: c.block for c in flat}) if complete else {}
+    heated = receiving({c.path: c.block for c in flat}) if complete and has_heat(train.examples) else {}
     if heated:
-        flat = tuple(replace(c, block=heated.get(c.path, c.block)) for c in flat)
-    return Train(tree.name, flat, len(numbers), tree.coordinates)
+        flat = [c._replace(block=heated.get(c.path, c.block)) for c in flat]
+        return Train(tree.name, tuple(flat), len(numbers), tree.coordinates)
+    return train
+
+
+def _is_looped(nodes: list[int]) -> bool:
+    """Whether two flanges share a node."""
+    shafts = [n for n in nodes if n != GROUND]
+    return len(set(shafts)) < len(shafts)

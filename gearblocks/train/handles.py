@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from typing import Any, Protocol, final
 
 from gearblocks.errors import ModelError, UnknownAttributeError, did_you_mean
@@ -131,6 +132,11 @@ def end_of(owner: Any, flange: Any) -> tuple[str, str]:
     return (flange.part, flange.flange)
 
 
+@cache
+def _main_flanges(kind: type[Block]) -> tuple[str, ...]:
+    return tuple(n for n, f in kind.flanges.items() if not f.ground or f.spare)
+
+
 def main_ends(owner: Any, part: Any) -> list[tuple[str, str]]:
     """The one or two flanges by which a chain passes through a part of a drivetrain. Raises ModelError."""
     if not isinstance(part, Handle) or part._owner is not owner:
@@ -138,10 +144,7 @@ def main_ends(owner: Any, part: Any) -> list[tuple[str, str]]:
         if isinstance(part, (list, tuple)):
             way = "give parts one by one, as chain(one, other), or chain(*parts)"
         raise ModelError(f"{part!r:.80} is no part of '{owner.name}': {way}")
-    if isinstance(part._part, Block):
-        main = [n for n, f in type(part._part).flanges.items() if not f.ground or f.spare]
-    else:
-        main = list(part.flanges)
+    main = _main_flanges(type(part._part)) if isinstance(part._part, Block) else part.flanges
     if not 1 <= len(main) <= 2:
         raise ModelError(
             f"'{part._name}' has {len(main)} flanges ({', '.join(main)}), so a chain cannot pass through it: use connect"

@@ -5,7 +5,7 @@ A ThermalMass receives the sum of what names it. Knows nothing of laws.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from gearblocks.blocks.thermal import ThermalConductance, ThermalMass
@@ -23,6 +23,11 @@ class HeatPath(NamedTuple):
     source: str
     sink: str
     is_loss: bool = False
+
+
+def has_heat(blocks: Iterable[Block]) -> bool:
+    """Whether any of these has to do with heat."""
+    return any(isinstance(x, (ThermalMass, ThermalConductance)) or heat_port(x) is not None for x in blocks)
 
 
 def heat_paths(blocks: Mapping[str, Block]) -> Iterator[HeatPath]:

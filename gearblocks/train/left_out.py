@@ -59,10 +59,10 @@ def left_out_of(tree: Tree, rows: Iterable[tuple[str, Block | None, Block]]) -> 
     blocks, tables = [], list[tuple[str, str, Watch]]()
     for path, before, now in rows:
         tables += ((path, field, watch) for field, watch in now.beyond_tables())
-        has = now.effects()
-        gone = tuple(name for name in before.effects() if name not in has) if before is not None else ()
-        if before is not None and gone:
-            blocks.append((path, before, gone))
+        if before is not None:
+            has = now.effects()
+            if gone := tuple(name for name in before.effects() if name not in has):
+                blocks.append((path, before, gone))
     if not blocks and not tables:
         return None
     soft = {path: closed(block) for path, block, gone in blocks if any(_is(COMPLIANCE, x) for x in gone)}

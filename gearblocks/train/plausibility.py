@@ -6,6 +6,7 @@ Knows nothing of bounds, which refuse.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import cache
 from numbers import Real
 
 from gearblocks.errors import warn
@@ -13,15 +14,23 @@ from gearblocks.language.block import Block
 from gearblocks.language.fields import Field
 from gearblocks.language.signals import constant_value
 from gearblocks.language.units import Given
-from gearblocks.train.values import numbers_of
+from gearblocks.train.values import is_plain, numbers_of
 
 
 def unusual(path: str, block: Block, *, bare: bool = False) -> Iterator[str]:
     """Numbers above what their field expects; bare: of those that are given without a unit alone."""
+    if is_plain(block) and not _expects(type(block)):
+        return
     for name, value, spec in numbers_of(block, f"{path}."):
         if spec.usual is not None and (is_bare(value) or not bare):
             number = abs(constant_value(value))
             yield from _doubt(name, number, spec, f'{name.rpartition(".")[2]}="{number:g} mm"')
+
+
+@cache
+def _expects(kind: type[Block]) -> bool:
+    """Whether a field of its own says up to where its values are usual."""
+    return any(spec.usual is not None for spec in kind.fields.values())
 
 
 def _doubt(name: str, number: float, spec: Field, meant: str) -> Iterator[str]:

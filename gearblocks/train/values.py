@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
+from functools import cache
 from typing import Any
 
 from gearblocks.errors import ModelError, did_you_mean
@@ -63,14 +65,50 @@ def leaves_of(block: Any) -> Iterator[Parameter | Input]:
                     yield leaf.args[0]
 
 
-def value_problems(path: str, block: Block, *, again: bool = False) -> Iterator[str]:
+def value_problems(path: str, block: Block, *, again: bool = False) -> list[str]:
     """Numbers that are not finite or out of bounds, and what the block itself finds wrong; again: of a block that joined a
     train with other numbers."""
-    kind = f"{type(block).__name__} '{path}'"
-    found = [*_field_problems(block, ""), *_temperature_problems(block)] or [*_own_problems(block, again)]
-    if not found and not is_plain(block):
-        found = [*_problems_of_numbers(block)]
-    yield from (f"{kind}: {problem}" for problem in found)
+    if _is_within(block):
+        found = [*(block.number_problems() if again else block.problems())]
+    else:
+        found = [*_field_problems(block, ""), *_temperature_problems(block)] or [*_own_problems(block, again)]
+        if not found and not is_plain(block):
+            found = [*_problems_of_numbers(block)]
+    return [f"{type(block).__name__} '{path}': {problem}" for problem in found]
+
+
+def _is_within(block: Block) -> bool:
+    """Whether a block holds numbers, words and choices alone, none of which a field refuses: most blocks, told sooner."""
+    values = tuple(block.__dict__.values())
+    ranges = _ranges(type(block), tuple(map(type, values)))
+    return ranges is not None and all(low < values[i] < high for i, low, high in ranges)
+
+
+@cache
+def _ranges(kind: type[Declared], sorts: tuple[type, ...]) -> tuple[tuple[int, float, float], ...] | None:
+    """Of blocks with plain values of these sorts: the place of each number and the next numbers outside its bounds; None where
+    a field asks for another sort."""
+    found = []
+    for i, (spec, sort) in enumerate(zip(kind.fields.values(), sorts, strict=True)):
+        if sort not in _PLAIN:
+            return None
+        if spec.role == "option":
+            fits = sort is bool or not isinstance(spec.default, bool)
+        elif sort is type(None):
+            fits = spec.role == "effect" or spec.default is None or spec.belongs_to is not None
+        else:
+            fits = sort in (float, int) and spec.role != "effect" and not spec.many
+            found.append((i, *_around(spec)))
+        if not fits:
+            return None
+    return tuple(found)
+
+
+def _around(spec: Field) -> tuple[float, float]:
+    """The greatest number below the bounds of a field, and the least above."""
+    lower = -sys.float_info.max if spec.ge is None else math.nextafter(spec.ge, -math.inf)
+    upper = sys.float_info.max if spec.le is None else math.nextafter(spec.le, math.inf)
+    return max(lower, lower if spec.gt is None else spec.gt), min(upper, upper if spec.lt is None else spec.lt)
 
 
 def _own_problems(block: Block, again: bool) -> Iterator[str]:

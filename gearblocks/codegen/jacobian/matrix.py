@@ -140,6 +140,7 @@ class Matrix:
     def __init__(self, unknowns: Unknowns | Varying, feedback: SignalSlopes) -> None:
         self.unknowns, self.feedback = unknowns, feedback
         self.spread: list[Any] = []
+        self._lone: dict[tuple[int, Any], tuple[list[int] | None, list[int] | None]] = {}
         self.op = "spread_terms" if isinstance(unknowns, Varying) else "spread"
 
     def coupled(self, batches: Sequence[Slopes]) -> Iterator[tuple[int, int]]:
@@ -150,16 +151,26 @@ class Matrix:
             rows += self.unknowns.own()
         for slopes in batches:
             for x, y in slopes.entries:
-                equations, columns = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
-                one, other = (None, None) if self.op != "spread" else (_single(equations), _single(columns))
+                one, other = (
+                    (None, None) if self.op != "spread" else (self._alone(slopes, x)[0], self._alone(slopes, y)[1])
+                )
                 if one is not None and other is not None:
                     yield from zip(one, other, strict=True)
                 else:
-                    rows += zip(equations, columns, strict=True)
+                    of_x, of_y = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, y)
+                    rows += zip(of_x, of_y, strict=True)
             for fed in slopes.fed:
                 rows += product(self.unknowns.equations(slopes.code, fed.row), self.feedback.rows[fed.path])
         for pair in rows:
             yield from ((i, j) for i, j in product(*pair) if j >= 0)
+
+    def _alone(self, slopes: Slopes, x: Any) -> tuple[list[int] | None, list[int] | None]:
+        """Of a symbol, by instance, the equation of a torque on it and the unknown behind it, where each is one alone."""
+        key = slopes.code.number, x
+        if key not in self._lone:
+            rows = self.unknowns.equations(slopes.code, x), self.unknowns.columns(slopes.code, x)
+            self._lone[key] = _single(rows[0]), _single(rows[1])
+        return self._lone[key]
 
     def write(self, linear: Linear, batches: Sequence[Slopes]) -> None:
         """The functions of all batches and the table that spreads."""
@@ -208,9 +219,8 @@ class Matrix:
         for x in {x: None for pair in slopes.entries for x in pair}:
             if slopes.code.law.pool.roles[x].role == "torque_rate":
                 return None
-            columns = self.unknowns.columns(slopes.code, x)
-            single = _single(columns)
-            if single is None or columns != self.unknowns.equations(slopes.code, x):
+            equation, single = self._alone(slopes, x)
+            if single is None or single != equation:
                 return None
             places[x] = single
         symbols = list(places)

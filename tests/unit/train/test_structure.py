@@ -1,0 +1,52 @@
+"""Blocks of one kind have one structure, and what differs in more than numbers is of another kind."""
+
+import gearblocks as gb
+from gearblocks.train.structure import kinds_of, structure_of
+from gearblocks.train.values import numbers_of
+
+
+def test_blocks_that_differ_in_numbers_alone_are_of_one_kind():
+    one, other, third = gb.Shaft(k=1.0, c=0.5), gb.Shaft(k=2, c=0.7), gb.Shaft(k="3 N m/rad", c=1.0)
+    kinds = kinds_of([one, other, one, third])
+    assert kinds[0] is kinds[2]
+    assert len({kind.digest for kind in kinds}) == 1
+    assert {kind.structure for kind in kinds} == {structure_of(one)}
+
+
+def test_what_is_there_and_what_is_zero_tell_kinds_apart():
+    blocks = [
+        gb.Inertia(J=1.0), gb.Inertia(J=0.0), gb.Inertia(J=1.0, phi0=0.1), gb.Fixed(), gb.Shaft(k=1.0),
+        gb.Shaft(rigid=True), gb.Shaft(k=1.0, c=1.0), gb.Shaft(k=1.0, J=1.0),
+    ]  # fmt: skip
+    kinds = kinds_of(blocks)
+    assert len(set(kinds)) == len(blocks)
+    assert kinds[0].structure == kinds[1].structure  # one law,
+    assert kinds[0].digest != kinds[1].digest  # two programs
+
+
+def test_parts_are_compared_by_their_kind_and_leaves_by_identity():
+    k = gb.Parameter("k", 5.0)
+    gap, other = gb.Backlash(half_gap=1e-5), gb.Backlash(half_gap=2e-5)
+    blocks = [gb.Shaft(k=k), gb.Shaft(k=k, c=1.0), gb.Shaft(k=k), gb.Shaft(k=gb.Parameter("k2", 5.0))]
+    one, _, same, apart = kinds_of(blocks)
+    assert one is same
+    assert one is not apart
+    assert one.leaves == (k,)
+    mesh = {"teeth": (20, 40), "external": True, "module": 2e-3, "pressure_angle": 0.35, "k": 1e8}
+    meshes = [gb.GearMesh(**mesh, backlash=b) for b in (gap, other, None)]
+    meshes.append(gb.GearMesh(**mesh | {"teeth": (20, 41)}, backlash=gap))
+    kinds = kinds_of(meshes)
+    assert kinds[0] is kinds[1]
+    assert len(set(kinds)) == 3
+
+
+def test_numbers_effects_and_states_of_a_kind_are_those_of_its_blocks():
+    blocks = [
+        gb.Shaft(k=1.0, c=0.5), gb.Shaft(k=2.0, c=0.7), gb.Inertia(J="3 g m2"), gb.Lash(k=1.0, c=2.0, half_gap=1e-3),
+        gb.Clutch(capacity=1.0), gb.Clutch(capacity=3.0, heat=gb.HeatPort(T=300.0)),
+    ]  # fmt: skip
+    for block, kind in zip(blocks, kinds_of(blocks), strict=True):
+        assert list(kind.numbers(block)) == list(numbers_of(block, ""))
+        assert set(kind.effects(block)) == set(block.effects())
+    heat = kinds_of(blocks)[-1]
+    assert "heat.given" in dict(heat.states)
