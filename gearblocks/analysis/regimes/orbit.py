@@ -113,7 +113,7 @@ def periodic_orbit(
 
 def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrbit | None:
     """The orbit by Newton's method from the states y, or None. Its period is the least one."""
-    found = _newton(seen, y, periods, neutral.allowed)
+    found = _newton(seen, y, periods, neutral)
     if found is None:
         return None
     y, run, closure = found
@@ -151,15 +151,15 @@ def _floor(seen: Strobe) -> float:
     return _ROUNDING * seen.rtol
 
 
-def _newton(seen: Strobe, y: Array, periods: int, allowed: Array) -> tuple[Array, Followed, float] | None:
-    run = _mapped(seen, y, periods)
+def _newton(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> tuple[Array, Followed, float] | None:
+    run, rest = _mapped(seen, y, periods), neutral.rest
     best: tuple[Array, Followed, float] | None = None
     closures: list[float] = []
     for _ in range(_MOST):
         if run is None:
             return best
-        miss = seen.off(run.states[-1], y)
-        closure = float(np.abs(miss).max())
+        miss = neutral.apart(seen.off(run.states[-1], y))
+        closure = _missed(seen, run.states[-1], y, neutral)
         closures.append(closure)
         if closure <= max(CLOSED, _floor(seen)):
             if best is not None and closure > 0.1 * best[2]:  # as near as it comes
@@ -167,27 +167,39 @@ def _newton(seen: Strobe, y: Array, periods: int, allowed: Array) -> tuple[Array
             best = y, run, closure
         elif best is not None or closure > 0.5 * min(closures[:-_STALLED], default=np.inf):
             return best
-        off = (scaled(seen, run.maps[-1]) - np.eye(seen.n)) @ allowed
-        step = allowed @ np.linalg.lstsq(off, -miss, rcond=_RANK)[0]
-        y, run = _damped(seen, y, step, periods, closure)
+        off = rest.T @ scaled(seen, run.maps[-1]) @ rest - np.eye(rest.shape[1])
+        step = rest @ np.linalg.lstsq(off, -miss, rcond=_RANK)[0]
+        y, run = _damped(seen, y, step, periods, closure, neutral)
     return best
 
 
-def _damped(seen: Strobe, y: Array, step: Array, periods: int, closure: float) -> tuple[Array, Followed | None]:
+def _damped(
+    seen: Strobe, y: Array, step: Array, periods: int, closure: float, neutral: Neutral
+) -> tuple[Array, Followed | None]:
     """The step, or the part of it that comes nearer."""
     share = 1.0
     for _ in range(_HALVINGS):
         trial = seen.moved(y, share * step)
-        if _closure(seen, trial, periods) < max(closure, _floor(seen)):
+        if _closure(seen, trial, periods, neutral) < max(closure, _floor(seen)):
             return trial, _mapped(seen, trial, periods)
         share *= 0.5
     return y, None
 
 
-def _closure(seen: Strobe, y: Array, periods: int) -> float:
+def _missed(seen: Strobe, end: Array, y: Array, neutral: Neutral) -> float:
+    """How far the end of an orbit is off its begin. Along neutral directions angles and slips may go on, speeds may not."""
+    off = seen.off(end, y)
+    along = neutral.basis @ (neutral.basis.T @ off)
+    speeds = [i for i, q in enumerate(seen.model.program.states) if q.kind == "speed"]
+    counted = neutral.rest @ neutral.apart(off)
+    counted[speeds] += along[speeds]
+    return float(np.abs(counted).max(initial=0.0))
+
+
+def _closure(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> float:
     """How far the motion from y misses it later, by a run without derivatives, which cost many times as much."""
     try:
-        return seen.distance(seen.follow(y, periods).states[-1], y)
+        return _missed(seen, seen.follow(y, periods).states[-1], y, neutral)
     except SimulationError:
         return np.inf
 

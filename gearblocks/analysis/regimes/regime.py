@@ -279,7 +279,9 @@ def _ahead_words(orbit: PeriodicOrbit) -> str:
 
 
 def _positive(found: LyapunovExponents) -> bool:
-    return _exceeds(found.per_period[0], found)
+    """Whether differences grow exponentially, in the later half too: those that grow as time does only double there."""
+    late = float(found.logs[len(found.logs) // 2 :, 0].sum())
+    return _exceeds(found.per_period[0], found) and late > SIGMAS
 
 
 def _negative(found: LyapunovExponents) -> bool:
