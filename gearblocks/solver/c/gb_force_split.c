@@ -8,7 +8,9 @@ static const double GB_LIMIT = 1e-9;
 /* How far beyond a secant that ended short of it is looked for it, of what is left to search, at first; and by how
  * little two of them differ where the next question is whether that is the limit. */
 static const double GB_BEYOND = 1.0 / 64.0, GB_SETTLED = 1e-5;
-/* Room that is not asked beyond, in parts of the load and of all bounds. */
+/* Room that is not asked beyond: hypot(part of the load, all bounds) less all of them but a part. It grows with the
+ * load, whatever the bounds: samples of a load that swings far beyond them would all tell the same, and no step would
+ * be too long. Round where the load passes zero: a corner there would look as if a step were too long. */
 static const double GB_OF_LOAD = 3.0, GB_OF_BOUNDS = 0.05;
 
 /* A split with lossy gears along their sides forward and backward, two numbers each. is_own: the motion tells it.
@@ -224,7 +226,7 @@ static double gb_split_room(const gb_lcp *problem, const int *is_own, const doub
         const double upper = problem->in[i] && !is_own[i] ? fabs(bounds->upper[i]) : 0.0;
         most += upper < HUGE_VAL ? fabs(gb_delassus_diagonal(&problem->A, i)) * upper : 0.0;
     }
-    const double enough = most > 0.0 ? fmin(most, GB_OF_LOAD * load + GB_OF_BOUNDS * most) : load;
+    const double enough = most > 0.0 ? hypot(GB_OF_LOAD * load, most) - (1.0 - GB_OF_BOUNDS) * most : load;
     if (!(load > 1e-3 * most)) {
         return enough;
     }

@@ -17,6 +17,9 @@ static const double LAST = 1.0 - 1e-6;
 /* Part of a step up to which what has just been decided comes back at once. */
 static const double EARLY = 0.125;
 
+/* Part of the rounding of a force that is rounding whatever it moves: a few units of the last place. */
+static const double SURELY = 0.125;
+
 /* Where in a step is looked whether a force that is none at both ends is none between: bounds and loads that pass zero
  * in turn do so at halves and quarters, and what has just reached its bound may be far inside it later on. */
 static const double WITHIN[] = {0.001, 0.03125, 0.14, 0.382, 0.618, 0.86};
@@ -42,7 +45,7 @@ static int is_no_force(gb_sim *sim, int i, double start, const double *time_term
     const double rounding = gb_force_rounding(sim, i, time_terms, sim->z, &force);
     const double idle = gb_idle_force(sim, i, rounding, time_terms, sim->z);
     const double least = idle > 0.0 ? gb_min(idle, rounding) : rounding;
-    const double noise = force < idle && !sim->events.again ? idle : least;
+    const double noise = gb_max(SURELY * rounding, force < idle && !sim->events.again ? idle : least);
     if (!(fabs(start) < noise)) {
         return 0;
     }
