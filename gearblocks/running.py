@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError, by_name_only
-from gearblocks.model.build import build_tree
+from gearblocks.model.build import build_tree, without_collector
 from gearblocks.solver.library import Model
 
 if TYPE_CHECKING:
@@ -24,7 +24,8 @@ def build(train: Drivetrain | Model) -> Model:
         return train
     if not isinstance(train, Drivetrain):
         raise GearblocksError(f"{train!r:.200} is no Drivetrain and no Model (as gb.Drivetrain and gb.build make them)")
-    model, left_out = build_tree(train.tree()), train.left_out()
+    with without_collector():
+        model, left_out = build_tree(train.tree()), train.left_out()
     return model if left_out is None else replace(model, left_out=left_out)
 
 

@@ -169,7 +169,7 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
 
 def _rigid_constraints(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[RigidConstraint]:
     for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
-        names = list(type(c.block).flanges)
+        names = list(type(c.block).flanges) if law.ties else []
         for coefficients, constant in law.ties:
             row: dict[int, Exact] = {}
             for flange, expr in coefficients.items():

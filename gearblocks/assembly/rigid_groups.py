@@ -191,7 +191,9 @@ def _prescribed(assembly: Assembly, laws: list[Law]) -> Iterable[PrescribedRow]:
     """Prescribed motions over the roots of groups."""
     groups = assembly.groups
     for index, (c, law) in enumerate(zip(assembly.train.components, laws, strict=True)):
-        nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True)) if law.prescribed else {}
+        if not law.prescribed:
+            continue
+        nodes = dict(zip(type(c.block).flanges, c.nodes, strict=True))
         for number, motion in enumerate(law.prescribed):
             root, gain = groups.find(nodes[motion.flange])
             if root in groups.grounded:

@@ -363,7 +363,10 @@ class Block(Declared, ABC):
     def beyond_tables(self) -> Iterator[tuple[str, Watch]]:
         """Fields with tables that are held beyond their last point, and what shows that a run went there: here those over its
         slip, whose output is w_rel, and those of its parts."""
-        for name in _over_slip(type(self)):
+        kind = type(self)
+        if kind.parts is Block.parts and not _over_slip(kind):
+            return
+        for name in _over_slip(kind):
             value = self.__dict__[name]
             leaves = value.leaves() if isinstance(value, Expr) else ()
             held = [leaf.args[0] for leaf in leaves if leaf.op == "table" and leaf.args[1].op == "local"]

@@ -29,17 +29,18 @@ from gearblocks.train.rules import Rules
 
 def build_train(train: Train) -> Model:
     """The model of a train. Raises ModelError, or CompileError where there is no working compiler."""
-    with _without_collector(), refused_where_too_deep(train.components):
+    with without_collector(), refused_where_too_deep(train.components):
         return _build(train)
 
 
 def build_tree(tree: Tree) -> Model:
     """The model of a composition, which keeps that for its drawing."""
-    return replace(build_train(flatten(tree)), tree=tree)
+    with without_collector():
+        return replace(build_train(flatten(tree)), tree=tree)
 
 
 @contextmanager
-def _without_collector() -> Iterator[None]:
+def without_collector() -> Iterator[None]:
     """Pauses the garbage collector: a long train makes a million objects at once, none of them garbage. They count as old
     afterwards, or the collector would go through all of them at once."""
     was_on = gc.isenabled()
@@ -56,7 +57,7 @@ def _without_collector() -> Iterator[None]:
 
 def program_of(train: Train) -> tuple[Program, dict[str, float]]:
     """The program of a train and the values of its parameters by path; nothing is compiled."""
-    with _without_collector(), refused_where_too_deep(train.components):
+    with without_collector(), refused_where_too_deep(train.components):
         return _program(train)
 
 

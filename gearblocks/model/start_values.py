@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from gearblocks.codegen.program import LOSSY, LOSSY_VARYING, DependentStart, Program
+from gearblocks.codegen.program import LOSSY, LOSSY_VARYING, DependentStart, Program, StartInfo
 from gearblocks.errors import ModelError
 from gearblocks.language.block import Block, given_start, start_fields
 from gearblocks.language.expression import Expr, evaluate
@@ -17,6 +17,7 @@ from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Array, Options
 from gearblocks.solver.switched_constraints import ConstraintKind
 from gearblocks.train.graph import Train
+from gearblocks.train.translational import flange_names
 
 _START = Options(2, 1, 1e-6, 0.0, np.inf, np.inf)
 _ROUNDING = 1e-9  # of the size of a start value: balances of torque are found by Newton steps
@@ -40,19 +41,28 @@ def parameter_value(leaf: Expr) -> float:
 
 def contradictions(program: Program, train: Train) -> Iterator[str]:
     """Start values of one rigid group that contradict each other."""
-    starts = {(s.name.rpartition(".")[0], s.of): (s.offset, s.factor) for s in program.starts}
     given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
         for of, field in start_fields(type(c.block)).items():
-            value, start = start_of(c.block, of), starts.get((c.path, of))
+            value = start_of(c.block, of)
+            start = None if value is None else _start_at(program, c.path, of)
             if value is not None and start is not None:
-                scaled = value * start[1]
-                before = given.setdefault(start[0], (c.path, field, value, scaled))
+                scaled = value * start.factor
+                before = given.setdefault(start.offset, (c.path, field, value, scaled))
                 if abs(before[3] - scaled) > 1e-12 * max(abs(before[3]), abs(scaled)):
                     yield (
                         f"'{before[0]}': {before[1]} = {before[2]!r} and '{c.path}': {field} = {value!r} contradict each "
                         f"other through their ties; give one of them"
                     )
+
+
+def _start_at(program: Program, path: str, of: str) -> StartInfo | None:
+    """The start angle or speed of a component, on a turning shaft or on a slider."""
+    for slides in (False, True):
+        i = program.start_numbers.get(f"{path}.{flange_names(slides)[of == SPEED]}")
+        if i is not None and program.starts[i].of == of:
+            return program.starts[i]
+    return None
 
 
 def solve_dependent(program: Program, train: Train, values: dict[str, float]) -> Iterator[str]:
