@@ -162,7 +162,8 @@ def _newton(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> tuple[Arr
         closure = _missed(seen, run.states[-1], y, neutral)
         closures.append(closure)
         if closure <= max(CLOSED, _floor(seen)):
-            if best is not None and run.corner and not best[1].corner:  # a step of rounding, off the stop that it rests on
+            # a step of rounding, off the stop that it rests on
+            if best is not None and run.corner and not best[1].corner:
                 return best
             if best is not None and closure > 0.1 * best[2]:  # as near as it comes
                 return best if best[2] <= closure else (y, run, closure)

@@ -76,3 +76,26 @@ int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, c
     }
     return fabs(distance) <= noise || is_held(sim, i, distance, time_terms, y);
 }
+
+int gb_is_noise_of_rates(gb_sim *sim, int i, double distance, const double *time_terms, const double *y) {
+    const gb_model *model = sim->model;
+    double largest = 0.0, noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
+    for (int j = 0; j < model->n; j++) {
+        largest = gb_max(largest, sim->control.noise[j]);
+    }
+    if (fabs(distance) > STEEPEST * sim->head->front.h * largest) {
+        return 0;
+    }
+    model->event_functions(sim->par, sim->mode, time_terms, y, s);
+    const double here = s[i];
+    memcpy(moved, y, sizeof(double) * (size_t)model->n_total);
+    for (int j = 0; j < model->n; j++) {
+        moved[j] = y[j] + sim->head->front.h * sim->control.noise[j];
+        if (moved[j] != y[j]) {
+            model->event_functions(sim->par, sim->mode, time_terms, moved, s);
+            noise += fabs(s[i] - here);
+            moved[j] = y[j];
+        }
+    }
+    return fabs(distance) <= noise;
+}

@@ -16,4 +16,8 @@ int gb_is_far(const gb_sim *sim, double distance, const double *y, const double 
  * or, where these are larger, `other`. */
 int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other);
 
+/* The same by what the noise of the rates makes of the states y within the step at hand: a body that nothing loads,
+ * beside locks that carry everything, moves by this alone, and its own speed is no measure of that. */
+int gb_is_noise_of_rates(gb_sim *sim, int i, double distance, const double *time_terms, const double *y);
+
 #endif
