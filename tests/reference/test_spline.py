@@ -248,3 +248,19 @@ def test_kv_depends_on_torque_over_backlash_alone():
     one = spline.dynamic_factors((1300.0,), (0.198e-3,)).values.ravel()
     other = spline.dynamic_factors((2600.0,), (0.396e-3,)).values.ravel()
     assert one == pytest.approx(other, rel=1e-6)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("rpm", "label"), [(328.8288288288288, "period 225"), (621.9219219219219, "quasi-periodic")])
+def test_a_lock_of_very_many_periods_is_told_from_a_torus(model, rpm, label):
+    """The first fades by 0.0048 a period, so that it is periodic; beside the second nothing grows or fades in 40,000."""
+    speed, section = {"speed": gb.rpm(rpm)}, gb.stroboscopic("speed")
+    names = [name for name in STATE if name.startswith("v")]
+    points = gb.poincare(model, section, of=names, transient=4000, keep=600, parameters=speed)
+    again = np.abs(points.values[225:] - points.values[:-225]).max() / np.abs(points.values).max()
+    assert bool(again < 1e-4) is (label == "period 225")
+    if label == "quasi-periodic":
+        found = gb.lyapunov(model, section, periods=8000, count=1, parameters=speed)
+        assert abs(found.logs[:, 0].sum()) < 3
+    found = gb.classify(model, section, parameters=speed)
+    assert found.label == label, found.evidence

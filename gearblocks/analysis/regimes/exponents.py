@@ -4,8 +4,8 @@
 
 Neutral directions are taken out of the columns in each period, and shown apart. Where motions are regular the mean is weighted
 with w(s) = exp(-1/(s (1 - s))), which converges faster than any power of T (Das, Saiki, Sander and Yorke 2017); where they are
-not it is the plain one, with a standard error from means over batches, and no less than half of what both halves differ by:
-beside a regular motion without damping differences grow as time does, and the mean fades. Knows nothing of labels.
+not it is the plain one, with a standard error from means over batches, of growth no less than half of what both halves differ
+by: beside a regular motion without damping differences grow as time does, and the mean fades. Knows nothing of labels.
 """
 
 from __future__ import annotations
@@ -88,7 +88,8 @@ class LyapunovExponents:
         with np.errstate(invalid="ignore"):
             plain, error = self.logs.mean(axis=0), batches.std(axis=0, ddof=1) / np.sqrt(BATCHES)
             halves = batches.reshape(2, BATCHES // 2, -1).mean(axis=1)
-            error = np.maximum(error, 0.5 * np.abs(halves[1] - halves[0]))  # what fades with time is no rate
+            fading = np.where(plain > 0.0, 0.5 * np.abs(halves[1] - halves[0]), 0.0)  # what fades with time is no rate
+            error = np.maximum(error, fading)
             weighted = _weighted_means(self.logs)
             split = np.ptp(weighted, axis=0)
             regular = split < _REGULAR * error

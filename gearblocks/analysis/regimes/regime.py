@@ -43,10 +43,12 @@ Array = NDArray[np.float64]
 SIGMAS = 3.0
 """Standard errors by which a largest exponent has to exceed zero."""
 _BEYOND = 8  # times the longest period, that is looked for where no exponent is positive or zero
+_FARTHEST = 1024  # periods that are looked for where all exponents are negative
 _DRIVES = 128  # periods of the section within which drives may repeat together, however short periods are asked for
 _TENFOLD = 10  # times the transient, before chaos is said
 _GROWN = 10.0  # times the size of the first half: the motion is not bounded
 _SAME_MULTIPLIERS = 1e-3  # of two tolerances, per period: errors of maps over many periods multiply
+_REPEATS = 1e-4  # of the sizes: a torus that comes as near to itself is hardly one
 _APART = 1e-3  # of the sizes: orbits that are further apart are two
 
 
@@ -215,12 +217,15 @@ class Asked:
         if not drives:
             words = f"the drives do not repeat together within {self._farthest} periods of the section"
             return Regime("quasi-periodic", (words, told), exponents=last)
-        if regime := self._long_periodic(seen, neutral, drives, last):
+        while -SIGMAS < _late(last) < -1.0 and (more := longer(seen, neutral, last)) is not None:
+            last = more  # of a torus growth and fading stay bounded
+        periodic, told = _negative(last) or _late(last) <= -SIGMAS, f"no exponent is positive: {_told(last)}"
+        longest = _BEYOND * max(self.longest, drives)
+        longest = max(longest, min(_FARTHEST, _BEYOND * longest)) if periodic else longest
+        if regime := self._long_periodic(seen, neutral, drives, last, longest):
             return regime
-        if _negative(last):
-            words = (
-                f"{told}, so that it is periodic, and no period up to {_BEYOND * max(self.longest, drives)} was found"
-            )
+        if periodic:
+            words = f"{told}, so that it is periodic, and no period up to {longest} was found"
             return Regime("unresolved", (words, "give a longer transient, or a larger longest"), exponents=last)
         nearest = float(misses(points, seen, neutral, self.longest).min())
         second = second_frequency(seen, points[-1], neutral, {*range(1, self.longest + 1), drives, 2 * drives}, after)
@@ -230,14 +235,19 @@ class Asked:
         return Regime("quasi-periodic", (second, told), exponents=last)
 
     def _long_periodic(
-        self, seen: Strobe, neutral: Neutral, drives: int, last: LyapunovExponents
+        self, seen: Strobe, neutral: Neutral, drives: int, last: LyapunovExponents, longest: int
     ) -> Regime | None:  # fmt: skip
         """Nothing grows: the motion may be periodic, however long its period is, and is where all exponents are negative."""
-        longest = _BEYOND * max(self.longest, drives)
         points = seen.follow(last.states, 2 * longest + 1, after=last.passed).states
-        if misses(points, seen, neutral, longest)[drives - 1 :: drives].min() > _APART:
+        off = misses(points, seen, neutral, longest)[drives - 1 :: drives]
+        if off.min() > _APART:
             return None
-        return replace(self, longest=longest)._periodic(seen, points, neutral, drives, last.passed + len(points))
+        found = replace(self, longest=longest)._periodic(seen, points, neutral, drives, last.passed + len(points))
+        if found is None and off.min() <= _REPEATS:
+            near = f"points repeat to {off.min():.1e} of their size after {drives * (int(np.argmin(off)) + 1)} periods"
+            words = f"{near}, and no orbit was found there that attracts"
+            return Regime("unresolved", (words, "give a longer transient"), exponents=last)
+        return found
 
 
 def _growth(states: Array) -> Regime | None:
@@ -280,8 +290,12 @@ def _ahead_words(orbit: PeriodicOrbit) -> str:
 
 def _positive(found: LyapunovExponents) -> bool:
     """Whether differences grow exponentially, in the later half too: those that grow as time does only double there."""
-    late = float(found.logs[len(found.logs) // 2 :, 0].sum())
-    return _exceeds(found.per_period[0], found) and late > SIGMAS
+    return _exceeds(found.per_period[0], found) and _late(found) > SIGMAS
+
+
+def _late(found: LyapunovExponents) -> float:
+    """The logarithm by which differences grow in the later half."""
+    return float(found.logs[len(found.logs) // 2 :, 0].sum())
 
 
 def _negative(found: LyapunovExponents) -> bool:

@@ -21,6 +21,8 @@ from gearblocks.analysis.regimes.strobe import Strobe
 Array = NDArray[np.float64]
 
 _NEAR = 0.05  # of the sizes: points that miss each other by more propose no period
+_REPEATS = 1e-4  # of the sizes: there is an orbit
+_PHASES = 4  # of it, that shooting begins from
 _CANDIDATES = 5
 ARRIVED = 1e-6
 """Of the sizes: nearer than that the motion is the orbit."""
@@ -60,12 +62,16 @@ def nearing(seen: Strobe, points: Array, neutral: Neutral, base: int, longest: i
     proposed = [m for m in range(base, longest + 1, base) if off[m - 1] <= _NEAR]
     best = sorted(proposed, key=lambda m: off[m - 1])[:_CANDIDATES]
     for m in sorted(best):
-        orbit = shoot(seen, y, m, neutral)
-        if orbit is None or not orbit.stable or abs(orbit.multipliers[:1]).max(initial=0.0) > 1.0 - _MARGINAL:
-            continue
-        found = _nears(seen, y, orbit, neutral)
-        if found is not None:
-            return found
+        # where points repeat an orbit is there: beside corners Newton's method may come to another one, from some of them
+        phases = range(0, m, max(base, m // _PHASES // base * base)) if off[m - 1] <= _REPEATS else range(1)
+        for phase in phases:
+            start = points[-1 - back - phase] if back + phase < len(points) else y
+            orbit = shoot(seen, start, m, neutral)
+            if orbit is None or not orbit.stable or abs(orbit.multipliers[:1]).max(initial=0.0) > 1.0 - _MARGINAL:
+                continue
+            found = _nears(seen, y, orbit, neutral)
+            if found is not None:
+                return found
     return None
 
 
