@@ -213,3 +213,12 @@ def test_strikes_that_follow_so_closely_that_a_lock_has_hardly_slipped_between_t
     assert np.abs(reference_motion(train, np.array([0.0, 0.01637])).speeds[:, -1]).max() > 16.0
     with pytest.raises(NoEvidenceError, match="a lock that hardly slips"):
         reference_motion(train, np.array([0.0, 0.0164]))
+
+
+def test_a_strike_on_what_a_cascade_left_beside_a_stop_that_nothing_presses_is_no_evidence():
+    """A torque holds the first body at a stop; the second hammers on it until both rest; then the third strikes the second."""
+    train = draw("contact", 30000409)
+    with pytest.raises(NoEvidenceError, match="a stop that is hardly open"):
+        reference_motion(train, np.linspace(0.0, 0.1, 5))
+    before = reference_motion(train, np.linspace(0.0, 0.096, 5))
+    assert np.abs(before.speeds[:2, -1]).max() < 1e-8

@@ -46,11 +46,12 @@ static int is_held(gb_sim *sim, int i, double distance, const double *time_terms
 }
 
 int gb_is_far(const gb_sim *sim, double distance, const double *y, const double *other) {
-    double largest = 0.0;
+    double largest = 0.0, noise = 0.0;
     for (int j = 0; j < sim->model->n; j++) {
         largest = gb_max(largest, gb_max(fabs(y[j]), fabs(other[j])));
+        noise = gb_max(noise, sim->control.noise[j]);
     }
-    return fabs(distance) > 64.0 * DBL_EPSILON * STEEPEST * largest;
+    return fabs(distance) > STEEPEST * gb_max(64.0 * DBL_EPSILON * largest, sim->head->front.h * noise);
 }
 
 int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other) {
@@ -79,13 +80,7 @@ int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, c
 
 int gb_is_noise_of_rates(gb_sim *sim, int i, double distance, const double *time_terms, const double *y) {
     const gb_model *model = sim->model;
-    double largest = 0.0, noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
-    for (int j = 0; j < model->n; j++) {
-        largest = gb_max(largest, sim->control.noise[j]);
-    }
-    if (fabs(distance) > STEEPEST * sim->head->front.h * largest) {
-        return 0;
-    }
+    double noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
     model->event_functions(sim->par, sim->mode, time_terms, y, s);
     const double here = s[i];
     memcpy(moved, y, sizeof(double) * (size_t)model->n_total);

@@ -9,7 +9,7 @@
 
 #include "gb_internal.h"
 
-/* `distance` is beyond all noise of an event function of such states, at first sight. */
+/* `distance` is beyond all noise of an event function of such states and of their rates, at first sight. */
 int gb_is_far(const gb_sim *sim, double distance, const double *y, const double *other);
 
 /* Event function i is off its limit by no more than noise, `distance`; the states are y

@@ -82,10 +82,10 @@ static int opens_by_noise(gb_sim *sim, int i, const double *time_terms) {
            gb_is_noise(sim, i, moved, time_terms, sim->z, sim->y0);
 }
 
-/* How far event function i is off `limit` at the end of the step. */
-static double off_at_end(gb_sim *sim, int i, double limit, const double *time_terms) {
-    sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
-    return sim->events.s[i] - limit;
+/* `distance` is what rounding makes of event function i: that of the states, or of their rates over the step. */
+static int is_near(gb_sim *sim, int i, double distance, const double *time_terms) {
+    return !gb_is_far(sim, distance, sim->z, sim->y0) && (gb_is_noise(sim, i, distance, time_terms, sim->z, sim->y0) ||
+                                                          gb_is_noise_of_rates(sim, i, distance, time_terms, sim->z));
 }
 
 /* Switch i, located in this step, has not left its limit from the start to the end but for noise. Most are plainly off
@@ -98,16 +98,12 @@ static int has_stayed(gb_sim *sim, int i) {
         return is_no_force(sim, i, start, time_terms) || fades_unloaded(sim, i, time_terms) ||
                opens_by_noise(sim, i, time_terms);
     }
-    if (gb_is_noise_of_rates(sim, i, start, time_terms, sim->z) &&
-        gb_is_noise_of_rates(sim, i, off_at_end(sim, i, limit, time_terms), time_terms, sim->z)) {
-        return 1;
-    }
     if (gb_is_far(sim, start, sim->z, sim->y0)) {
         return 0;
     }
-    const double end = off_at_end(sim, i, limit, time_terms);
-    if (gb_is_noise(sim, i, end, time_terms, sim->z, sim->y0) &&
-        gb_is_noise(sim, i, start, time_terms, sim->z, sim->y0)) {
+    sim->model->event_functions(sim->par, sim->mode, time_terms, sim->z, sim->events.s);
+    const double end = sim->events.s[i] - limit;
+    if (is_near(sim, i, end, time_terms) && is_near(sim, i, start, time_terms)) {
         return 1;
     }
     const double idle = gb_swings_idly(sim, i, gb_max(fabs(start), fabs(end)));

@@ -94,7 +94,7 @@ class Impacts:
                 heats_of_one.append(_heat_of([m for m in locks_of if m.scale * way > 0]))
         if not hit:
             return self._settled(t, y, 1e-15) if self.still > 1 else y
-        self._refuse_hair_gaps(q, v)
+        self._refuse_hair_gaps(t, y)
         self.left += bool(leaving)
         both += [n.rate(q, v, s.context)[:2] for n in s.nonlinear]
         both += [(g.ra - g.ratio * g.rb, 0.0) for g in s.lossy]  # no loss in an impact
@@ -115,13 +115,28 @@ class Impacts:
         self.note(y)
         return y
 
-    def _refuse_hair_gaps(self, q: Array, v: Array) -> None:
-        """What a cascade left of speeds that count as none opens stops by next to nothing until something strikes there: as
-        if they touched, or one after the other, nobody here can tell."""
-        for stop in self.s.stops:
+    def _refuse_hair_gaps(self, t: float, y: Array) -> None:
+        """What a cascade left of speeds that count as none opens stops by next to nothing until something strikes there, or
+        by nothing at all and nothing presses on them: as if they touched, or one after the other, nobody here can tell."""
+        q, v = self.qv(y)
+        for i, stop in enumerate(self.s.stops):
             gap, unit = float(stop.row @ q) - stop.bound, 1e-10 * max(1.0, abs(stop.bound))
-            if unit < gap < 1e3 * unit and abs(float(stop.row @ v)) <= 10 * self.small():
+            if not (gap < 1e3 * unit and abs(float(stop.row @ v)) <= 10 * self.small()):
+                continue
+            bounced = self.rebound.get(i, 0.0) > 0.0 and stop.mode == 0
+            if gap > unit or (bounced and self._is_idle(t, y, stop.row)):
                 raise NoEvidenceError("a strike beside a stop that is hardly open")
+
+    def _is_idle(self, t: float, y: Array, row: Array) -> bool:
+        """Nothing presses what rests on a stop against it: it would stay there by itself."""
+        modes = [stop.mode for stop in self.s.stops]
+        for stop in self.s.stops:
+            stop.mode = 1 if stop.row is row else stop.mode
+        rates = self.s.Ur @ self.d(t, y)[self.d.cut[1] : self.d.cut[2]]
+        for stop, mode in zip(self.s.stops, modes, strict=True):
+            stop.mode = mode
+        largest = self.most * float(np.abs(np.diag(self.s.Minv)).max(initial=0.0))  # acceleration so far
+        return abs(float(row @ rates)) <= 1e-9 * largest
 
     def _refuse_doubtful_locks(
         self, v: Array, one: list[tuple[Array, float, int]], both: list[tuple[Array, float]], doubtful: list[int]
