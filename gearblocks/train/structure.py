@@ -180,7 +180,9 @@ def _sort_of_row(row: tuple[Any, ...]) -> Any:
 def _plan(owner: Any) -> _Plan:
     places: tuple[list[int], ...] = ([], [], [], [], [])
     for i, (name, value) in enumerate(owner.__dict__.items()):
-        spec, sort = type(owner).fields[name], type(value)
+        spec, sort = type(owner).fields.get(name), type(value)
+        if spec is None:  # what a block keeps for itself (functools.cached_property) tells nothing
+            continue
         by_value = spec.belongs_to is not None and spec.default is not None  # at its default the effect is not there
         is_number = spec.role in ("param", "signal") and not by_value
         if is_number and (sort in _NUMBERS or sort is tuple):

@@ -78,6 +78,13 @@ int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, c
     return fabs(distance) <= noise || is_held(sim, i, distance, time_terms, y);
 }
 
+/* State j has been no larger than what the noise of its rate may have made it in the run so far: fast laws have noisy
+ * rates, and what is no noise of a motion is none of a switch either. */
+static int has_not_moved(const gb_sim *sim, int j) {
+    const double elapsed = sim->head->front.t0 + sim->head->front.h - sim->head->front.t_start;
+    return sim->control.largest[j] <= elapsed * sim->control.noise[j];
+}
+
 int gb_is_noise_of_rates(gb_sim *sim, int i, double distance, const double *time_terms, const double *y) {
     const gb_model *model = sim->model;
     double noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
@@ -86,11 +93,11 @@ int gb_is_noise_of_rates(gb_sim *sim, int i, double distance, const double *time
     memcpy(moved, y, sizeof(double) * (size_t)model->n_total);
     for (int j = 0; j < model->n; j++) {
         moved[j] = y[j] + sim->head->front.h * sim->control.noise[j];
-        if (moved[j] != y[j]) {
+        if (moved[j] != y[j] && has_not_moved(sim, j)) {
             model->event_functions(sim->par, sim->mode, time_terms, moved, s);
             noise += fabs(s[i] - here);
-            moved[j] = y[j];
         }
+        moved[j] = y[j];
     }
     return fabs(distance) <= noise;
 }

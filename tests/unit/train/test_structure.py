@@ -50,3 +50,10 @@ def test_numbers_effects_and_states_of_a_kind_are_those_of_its_blocks():
         assert set(kind.effects(block)) == set(block.effects())
     heat = kinds_of(blocks)[-1]
     assert "heat.given" in dict(heat.states)
+
+
+def test_what_a_block_keeps_for_itself_tells_no_kind() -> None:
+    plain, keeps = gb.Inertia(J=1.0), gb.Inertia(J=2.0)
+    keeps.__dict__["kept"] = 3.0  # as functools.cached_property does
+    first, second = kinds_of([plain, keeps])
+    assert first.is_plain and second.is_plain
