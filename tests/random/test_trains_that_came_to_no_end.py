@@ -6,9 +6,12 @@ at one instant for ever. contact 15000428: the force of a closed stop that nothi
 was searched in 20,000 pieces. contact 24000362: a step was cut by less than it was stretched by to reach a knot of a table, and
 tried again as it was, within one call. mixed 27000245: a table's corner at the twist of a shaft beside closed locks; rounding
 of implicit steps drifts across it, and of each step 20,000 pieces were looked at. mixed 27000393: room that locks beside lossy
-gears have left was told as none wherever the sides of a gear change as all bounds shrink.
+gears have left was told as none wherever the sides of a gear change as all bounds shrink. mixed 30000473: a body between two
+one-way clutches and a stop; what was left of a flight opened both, one of them opened the stop as it closed, and so on, each
+cycle a 118th of the one before down to the rounding of the gap, where they went on.
 """
 
+import contextlib
 import sys
 from pathlib import Path
 
@@ -22,7 +25,7 @@ if str(ROOT) not in sys.path:
 
 from tests.random.description import arguments, build  # noqa: E402
 from tests.random.families import draw  # noqa: E402
-from tests.random.judge import Judge  # noqa: E402
+from tests.random.judge import HangError, Judge, cpu_limit  # noqa: E402
 
 
 @pytest.mark.parametrize(
@@ -43,3 +46,18 @@ def test_they_take_the_steps_that_their_motion_asks_for(seed, method, t_end, ste
     train = draw("mixed", seed)
     run = gb.simulate(build(train, gb), t_end=t_end, method=method, **arguments(train, gb))
     assert run.stats.steps <= steps and run.stats.rejected <= rejected
+
+
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+@pytest.mark.parametrize("rtol", [1e-6, 1e-8, pytest.param(1e-10, marks=pytest.mark.long)])
+def test_flights_that_end_between_one_way_clutches_and_a_stop_leave_all_of_them_closed(rtol, method):
+    train = draw("mixed", 30000473)
+    model, given = gb.build(build(train, gb)), arguments(train, gb)
+    run = None
+    with contextlib.suppress(HangError), cpu_limit(20.0):
+        run = gb.simulate(model, t=[0.0, 1.3, 2.0], rtol=rtol, method=method, **given)
+    assert run is not None, "it came to no end"
+    fine = gb.simulate(model, t=[0.0, 1.3, 2.0], rtol=1e-11, method="dp8", **given)
+    assert len(run.events) < 400
+    for body in ("j4", "j5", "j6", "j8"):
+        assert run[f"{body}.w"] == pytest.approx(fine[f"{body}.w"], abs=30 * rtol)

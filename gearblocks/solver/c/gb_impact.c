@@ -130,8 +130,8 @@ static int holds(const gb_sim *sim, int i) {
     return sim->model->constraints[i].kind == GB_FRICTION && !gb_is_unbounded(sim, i) && gb_is_active(sim, i);
 }
 
-/* Locks that hold take part where what is left of the flights is rounding: they would give back the speed that the stop
- * takes, at one instant for ever, or their slip would open another stop. */
+/* Locks that hold take part, one-way ones both ways, where what is left of the flights is rounding: they would give
+ * back the speed that the stop takes, at one instant for ever, or their slip would open another stop. */
 static void hold_at_the_end(gb_sim *sim) {
     int any = 0, large = 0;
     for (int i = 0; i < sim->model->n_constraints; i++) {
@@ -142,7 +142,7 @@ static void hold_at_the_end(gb_sim *sim) {
         }
     }
     for (int i = 0; i < sim->model->n_constraints && any && !large; i++) {
-        if (!sim->constraints.in[i] && holds(sim, i)) {
+        if (sim->model->constraints[i].kind == GB_FRICTION && gb_is_active(sim, i)) {
             sim->constraints.in[i] = 1;
             sim->constraints.lo[i] = -HUGE_VAL;
             sim->constraints.hi[i] = HUGE_VAL;
