@@ -109,7 +109,7 @@ class Declared(metaclass=Documented):
 
     def changed(self, **values: Any) -> Any:
         """A copy with other values."""
-        return type(self)(**{**self.__dict__, **values})
+        return type(self)(**{name: self.__dict__[name] for name in type(self).fields} | values)
 
     def problems(self) -> Iterator[str]:
         """Problems of the combination of values, each as one sentence without the block's name.

@@ -80,6 +80,8 @@ def value_problems(path: str, block: Block, *, again: bool = False) -> list[str]
 def _is_within(block: Block) -> bool:
     """Whether a block holds numbers, words and choices alone, none of which a field refuses: most blocks, told sooner."""
     values = tuple(block.__dict__.values())
+    if len(values) != len(type(block).fields):  # it keeps more for itself (functools.cached_property)
+        return False
     ranges = _ranges(type(block), tuple(map(type, values)))
     return ranges is not None and all(low < values[i] < high for i, low, high in ranges)
 

@@ -1,5 +1,9 @@
 """Blocks of one kind have one structure, and what differs in more than numbers is of another kind."""
 
+from functools import cached_property
+
+import pytest
+
 import gearblocks as gb
 from gearblocks.train.structure import kinds_of, structure_of
 from gearblocks.train.values import numbers_of
@@ -50,6 +54,24 @@ def test_numbers_effects_and_states_of_a_kind_are_those_of_its_blocks():
         assert set(kind.effects(block)) == set(block.effects())
     heat = kinds_of(blocks)[-1]
     assert "heat.given" in dict(heat.states)
+
+
+class Keeps(gb.Inertia):
+    """A block that keeps what it has worked out."""
+
+    @cached_property
+    def kept(self) -> float:
+        return 2.0 * self.J
+
+
+def test_a_block_that_keeps_what_it_has_worked_out_joins_a_train_and_takes_other_numbers() -> None:
+    block = Keeps(J=1.0)
+    assert block.kept == 2.0
+    rig = gb.Drivetrain("keeps")
+    rig.connect(rig.add("body", block).a, rig.add("load", gb.Torque(tau=3.0)).flange)
+    assert gb.simulate(rig, t_end=1.0, parameters={"body.J": 2.0})["body.w"][-1] == pytest.approx(1.5)
+    with pytest.raises(gb.ModelError, match="J"):
+        gb.Drivetrain("keeps").add("body", block.changed(J=-1.0))
 
 
 def test_what_a_block_keeps_for_itself_tells_no_kind() -> None:
