@@ -64,12 +64,16 @@ def as_done(workers: int, chunks: Sequence[slice], submit: Callable[[slice], Fut
             if not waiting:
                 return
             finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
-            for future in finished:
+            for future in sorted(finished, key=_is_without_result):  # what is done is kept before what failed is told
                 chunk = waiting.pop(future)
                 yield chunk, result_of(future)
     finally:
         for future in waiting:
             future.cancel()
+
+
+def _is_without_result(future: Future[T]) -> bool:
+    return future.cancelled() or future.exception() is not None
 
 
 def result_of(future: Future[T]) -> T:

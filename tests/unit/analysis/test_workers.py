@@ -65,6 +65,24 @@ def test_what_was_not_begun_is_cancelled_when_the_caller_leaves() -> None:
     assert len(futures) > 1 and all(future.cancelled() for future in futures[1:])
 
 
+def test_what_is_done_comes_back_before_a_failure_beside_it_is_told() -> None:
+    """Ctrl-C in an input function lost points of other workers, and of the same one where the caller woke late."""
+
+    def submit(chunk: slice) -> Future[int]:
+        future: Future[int] = Future()
+        if chunk.start == 17:
+            future.set_exception(KeyboardInterrupt("enough"))
+        else:
+            future.set_result(chunk.start)
+        return future
+
+    results, found = as_done(10, [slice(i, i + 1) for i in range(40)], submit), []
+    with pytest.raises(KeyboardInterrupt, match="enough"):
+        for _, result in results:
+            found.append(result)
+    assert sorted(found) == [i for i in range(40) if i != 17]
+
+
 @pytest.fixture
 def cluster() -> Any:
     """A scheduler with threads in this process."""
