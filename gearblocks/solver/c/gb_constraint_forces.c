@@ -40,8 +40,13 @@ static int free_accelerations(gb_sim *sim) {
     return code;
 }
 
+/* What rounds the accelerations that slips are made of. */
+static double rounding_of_rates(const gb_sim *sim) {
+    return 256.0 * DBL_EPSILON * sim->constraints.fastest;
+}
+
 double gb_acceleration_rounding(const gb_sim *sim, int i, double size) {
-    return gb_max(1e-10 * size, 256.0 * DBL_EPSILON * sim->constraints.row_size[i] * sim->constraints.fastest);
+    return gb_max(1e-10 * size, rounding_of_rates(sim) * sim->constraints.row_size[i]);
 }
 
 /* No force of constraint i changes its slip, which grows all the same: time prescribes the motion of both sides. */
@@ -285,7 +290,7 @@ static int decide(gb_sim *sim, int *code) {
         }
     }
     if (*code == GB_DONE && lost == 0) {
-        *code = gb_refuse_contradiction(sim);
+        *code = gb_refuse_contradiction(sim, rounding_of_rates(sim));
     }
     if (*code != GB_DONE) {
         memset(c->force, 0, sizeof(double) * (size_t)n);

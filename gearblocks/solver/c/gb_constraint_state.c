@@ -157,7 +157,7 @@ int gb_solve_problem(gb_sim *sim, int coupled) {
     return GB_DONE;
 }
 
-int gb_refuse_contradiction(gb_sim *sim) {
+int gb_refuse_contradiction(gb_sim *sim, double noise) {
     const struct gb_constraints *c = &sim->constraints;
     const gb_delassus W = gb_delassus_of(sim);
     double most = 0.0;
@@ -169,7 +169,7 @@ int gb_refuse_contradiction(gb_sim *sim) {
         if (c->in[i] && endless && c->force[i] > c->lo[i] && c->force[i] < c->hi[i]) {
             double size = fabs(c->right[i]);
             const double left = c->right[i] + gb_delassus_product(&W, i, c->force, &size);
-            if (fabs(left) > 1e-4 * most + 1e-12 * size) {
+            if (fabs(left) > 1e-4 * most + 1e-12 * size + noise * c->row_size[i]) {
                 return gb_fail(sim, GB_ERR_BRANCH, sim->model->constraints[i].slip, sim->head->front.t1, left);
             }
         }

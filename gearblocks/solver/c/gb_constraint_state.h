@@ -68,7 +68,7 @@ void gb_slips_now(gb_sim *sim);
 
 /* Unbounded constraints must not be asked for slips that contradict each other (two of them between a shaft of
  * prescribed speed and the ground): after the forces x, or impulses, nothing may be left of the right side where x is
- * inside its bounds. */
-int gb_refuse_contradiction(gb_sim *sim);
+ * inside its bounds. noise: rounding of the rates (or speeds) that it is made of; less is nothing. */
+int gb_refuse_contradiction(gb_sim *sim, double noise);
 
 #endif

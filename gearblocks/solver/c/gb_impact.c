@@ -184,7 +184,7 @@ static int find_hit(gb_sim *sim, int round, int *left) {
 static int strike(gb_sim *sim) {
     const size_t size = sizeof(double) * (size_t)sim->model->n_constraints;
     sim->model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-    if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim) != GB_DONE) {
+    if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim, 0.0) != GB_DONE) {
         return sim->head->report.code;
     }
     memcpy(sim->constraints.other, sim->constraints.force, size);

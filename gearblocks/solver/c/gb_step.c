@@ -34,6 +34,9 @@ enum { AGAIN = 100, NOT_FINITE };
  */
 static const double NEARLY = 1.01, SHORTER = 0.98;
 
+/* By how much a step that nobody looked into lengthens what is trusted: many that grow by little each grow far. */
+static const double LITTLE = 1.05;
+
 static void last_derivative(gb_sim *sim) {
     const int last = sim->method->stages;
     double *k = sim->k + (size_t)last * (size_t)sim->model->n_total;
@@ -68,7 +71,8 @@ static int count_step(gb_sim *sim, double from, double end) {
     if (head->ledger.turnover > GB_BEYOND) {
         return gb_name_growth(sim);
     }
-    head->control.h_trusted = gb_max(0.9 * head->control.h_trusted, end - from);
+    const double trusted = head->control.h_trusted;
+    head->control.h_trusted = gb_max(0.9 * trusted, gb_min(end - from, LITTLE * trusted));
     head->control.h_largest = gb_max(head->control.h_largest, head->front.t1 - from);
     head->drift.imbalanced = 0;
     head->counts.steps++;
