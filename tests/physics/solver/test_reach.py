@@ -106,7 +106,7 @@ def _gearbox_errors(model, end, cases):
     right = gb.simulate(model, t=t, rtol=1e-12, method="rodas")
     for method, rtol in cases:
         run = gb.simulate(model, t=t, rtol=rtol, method=method)
-        for name in ("half_shafts.torque", "crank.w", "ring.w", "turbine.w", "car.v", "wheels.w"):
+        for name in ("half_shafts.torque", "half_shafts.twist", "crank.w", "ring.w", "turbine.w", "car.v", "wheels.w"):
             error = np.max(abs(run[name] - right[name])) / np.max(abs(right[name]))
             yield method, rtol, name, error / rtol
 
