@@ -40,6 +40,7 @@ def lane_values(g: Generator, values: Mapping[str, Any]) -> dict[str, Any]:
         **values,
         "lane_functions": functions,
         "columns": list({x.column.name: x for f in functions for x in f.tables}.values()),
+        "long_table": lambda *_: None,  # nothing writes tables out here: all stand in the text
         "reads_angles": _readers(g, Role.ANGLES, range(first, first + count)),
         "reads_torques": _readers(g, Role.FLANGE_TORQUES, range(first + 2 * count, first + 4 * count)),
         "where_torques_are_read": "if (is_read(reads_torques))\n        ",

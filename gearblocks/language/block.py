@@ -102,14 +102,14 @@ class Declared(metaclass=Documented):
         return f"{type(self).__name__}({', '.join(given)})"
 
     def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and self.__dict__ == other.__dict__
+        return type(self) is type(other) and values_of(self) == values_of(other)
 
     def __hash__(self) -> int:
-        return hash((type(self), tuple(self.__dict__.items())))
+        return hash((type(self), *values_of(self).values()))
 
     def changed(self, **values: Any) -> Any:
         """A copy with other values."""
-        return type(self)(**{name: self.__dict__[name] for name in type(self).fields} | values)
+        return type(self)(**values_of(self) | values)
 
     def problems(self) -> Iterator[str]:
         """Problems of the combination of values, each as one sentence without the block's name.
@@ -122,6 +122,11 @@ class Declared(metaclass=Documented):
         """Those that other numbers may make: asked with the numbers that its Parameters stand for, and with those that a run
         or a study gives. All of `problems()`, where a block does not say what of it goes without numbers."""
         return self.problems()
+
+
+def values_of(owner: Any) -> dict[str, Any]:
+    """The values of the fields of an object by name. What it keeps for itself (functools.cached_property) is none of them."""
+    return {name: owner.__dict__[name] for name in type(owner).fields}
 
 
 _BARE = frozenset((float, int, bool, type(None)))

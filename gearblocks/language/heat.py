@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from gearblocks.language.block import Block, Declared, Effect
+from gearblocks.language.block import Block, Declared, Effect, values_of
 from gearblocks.language.contributions import Shows
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import State, effect, signal
@@ -40,7 +40,7 @@ class HeatPort(Effect):
 
     def needed_by(self, block: Block) -> bool:
         """Whether a signal of the block contains gb.temperature."""
-        return any(reads_temperature(value) for value in block.__dict__.values())
+        return any(reads_temperature(value) for value in values_of(block).values())
 
 
 HEAT: Any = effect("heat port: what is lost leaves as heat, at a temperature", default=None)
@@ -50,12 +50,13 @@ def reads_temperature(value: Any) -> bool:
     """Whether gb.temperature stands in a value, or in a signal of an effect."""
     if isinstance(value, Expr):
         return any(leaf.op == "local" and leaf.args[0] == "temperature" for leaf in value.leaves())
-    return isinstance(value, Declared) and any(reads_temperature(x) for x in value.__dict__.values())
+    return isinstance(value, Declared) and any(map(reads_temperature, values_of(value).values()))
 
 
 def heat_port(block: Declared) -> tuple[str, HeatPort] | None:
     """Name and heat port of a block, or None where it has none."""
-    for name, value in block.__dict__.items():
+    for name in type(block).fields:
+        value = block.__dict__[name]
         if type(value) is not float and isinstance(value, HeatPort):
             return name, value
     return None

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from gearblocks.errors import ModelError
-from gearblocks.language.block import Declared
+from gearblocks.language.block import Declared, values_of
 from gearblocks.solver.cache import digest
 from gearblocks.train.graph import Train
 
@@ -35,7 +35,7 @@ def classes_digest(train: Train) -> str:
     """Digest of the code of every class of blocks and effects that is not ours."""
     classes: set[type[Declared]] = {type(block) for block in train.examples}
     for block in train.examples:
-        classes |= {type(v) for v in block.__dict__.values() if isinstance(v, Declared)}
+        classes |= {type(v) for v in values_of(block).values() if isinstance(v, Declared)}
     foreign = sorted(
         (cls for cls in classes if not cls.__module__.startswith("gearblocks.")),
         key=lambda c: (c.__qualname__, c.__module__),

@@ -84,3 +84,22 @@ def test_tables_that_are_written_out_change_no_bit_of_a_run(monkeypatch, method)
     names = [x.name for x in program.outputs]
     assert np.abs(runs[0]["link1.torque"]).max() > 0
     assert all(runs[0][name].tobytes() == runs[1][name].tobytes() for name in names)
+
+
+def test_the_text_over_lanes_has_all_its_tables(monkeypatch):
+    """Nothing writes tables out there."""
+    rig = gb.Drivetrain("on one shaft")
+    parts = [rig.add(f"disc{i}", gb.Inertia(J=0.1, w0=3.0 if i == 0 else None)) for i in range(20)]
+    rig.connect(*(part.a for part in parts))
+    rig.chain(parts[1], rig.add("drag", gb.Damper(c=0.5)), rig.add("ground", gb.Fixed()))
+    aside = gb.Torque(tau=gb.sin(gb.Parameter("pace", 6.0, unit="rad/s") * gb.time))
+    rig.chain(rig.add("aside", aside), rig.add("other", gb.Inertia(J=1.0)))
+    monkeypatch.setattr(long_tables, "LONG", 9)
+    quick = {"section": gb.stroboscopic("pace"), "transient": 0, "keep": 1, "locate": False, "steps_per_period": 400}
+    model = gb.build(rig)
+    assert "static const int bends" in model.program.source
+    assert "static const char reads_angles[]" in model.program.lanes
+    found = gb.study(model, {"pace": [2 * np.pi]}, quantity=[gb.last("disc7.phi"), gb.last("disc7.w")], **quick)
+    rate = 0.5 / 2.0
+    assert found["last(disc7.w)"] == pytest.approx(3.0 * np.exp(-rate), rel=1e-6)
+    assert found["last(disc7.phi)"] == pytest.approx(3.0 / rate * (1 - np.exp(-rate)), rel=1e-6)

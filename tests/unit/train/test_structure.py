@@ -5,8 +5,9 @@ from functools import cached_property
 import pytest
 
 import gearblocks as gb
+from gearblocks.language.heat import heat_port
 from gearblocks.train.structure import kinds_of, structure_of
-from gearblocks.train.values import numbers_of
+from gearblocks.train.values import numbers_of, value_problems
 
 
 def test_blocks_that_differ_in_numbers_alone_are_of_one_kind():
@@ -72,6 +73,17 @@ def test_a_block_that_keeps_what_it_has_worked_out_joins_a_train_and_takes_other
     assert gb.simulate(rig, t_end=1.0, parameters={"body.J": 2.0})["body.w"][-1] == pytest.approx(1.5)
     with pytest.raises(gb.ModelError, match="J"):
         gb.Drivetrain("keeps").add("body", block.changed(J=-1.0))
+
+
+def test_what_a_block_has_worked_out_is_no_part_of_what_it_is() -> None:
+    fresh, block = Keeps(J=1.0), Keeps(J=1.0)
+    assert block.kept == 2.0
+    block.__dict__["rows"] = [1, 2]  # as a cached_property does; not hashable
+    block.__dict__["load"] = gb.HeatPort(T=-1.0)
+    assert block == fresh
+    assert hash(block) == hash(fresh)
+    assert heat_port(block) is None
+    assert not value_problems("body", block)
 
 
 def test_what_a_block_keeps_for_itself_tells_no_kind() -> None:
