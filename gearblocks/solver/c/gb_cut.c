@@ -97,12 +97,12 @@ static double part_if_wrong(gb_sim *sim, double theta) {
 
 double gb_part_again(gb_sim *sim, double theta) {
     const gb_head *head = sim->head;
-    const int again = sim->events.again,
-              longer = head->front.h > LEAST_AGAIN * gb_rounding(head->front.t0, head->control.h_largest);
+    const int again = sim->events.again;
+    const int tries = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;
     if (head->options.step > 0.0) {
         return 1.0;
     }
-    if (longer && again < (sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0)) {
+    if (again < tries && head->front.h > LEAST_AGAIN * gb_rounding(head->front.t0, head->control.h_largest)) {
         return SHORTER;
     }
     return BEYOND * theta < 1.0 && again < (sim->method->gamma > 0.0 ? MOST_AGAIN : MOST_CUTS)

@@ -97,13 +97,15 @@ static int holds_true(gb_sim *sim, int i) {
     const int j = sim->model->constraints[i].partner;
     const double *losses = losses_of(sim, i), tie = sim->constraints.force[j], force = sim->constraints.force[i];
     const double direction = sim->mode[sim->model->constraints[i].slip];
+    const gb_delassus W = gb_delassus_of(sim);
     if (sim->constraints.decision[i] == GB_CANDIDATE) {
-        return gb_rests(sim, i) || gb_loss_excess(losses, tie, force) <= 1e-10 * (fabs(force) + fabs(tie));
+        const double excess = gb_loss_excess(losses, tie, force), response = fabs(gb_delassus_diagonal(&W, i));
+        return gb_rests(sim, i) || excess <= 1e-10 * (fabs(force) + fabs(tie)) ||
+               excess * response <= gb_acceleration_rounding(sim, i, 0.0);
     }
     double size;
     gb_slip_acceleration(sim, j, &size);
     const int side = direction > 0.0 ? sim->lossy.forward[i] : sim->lossy.backward[i];
-    const gb_delassus W = gb_delassus_of(sim);
     const double response = fabs(gb_delassus_diagonal(&W, j));
     return gb_loss_margin(losses, side, direction * tie) * response >= -gb_acceleration_rounding(sim, j, size);
 }
