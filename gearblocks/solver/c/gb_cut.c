@@ -95,7 +95,7 @@ static double part_if_wrong(gb_sim *sim, double theta) {
     return blind ? theta * gb_max(gb_rough_exp2(-error), LEAST_PART) : BEYOND * theta;
 }
 
-double gb_part_again(gb_sim *sim, double theta) {
+double gb_part_in_question(gb_sim *sim, double theta) {
     const gb_head *head = sim->head;
     const int again = sim->events.again;
     const int tries = sim->events.undersampled ? MOST_AGAIN : sim->events.in_doubt ? MOST_DOUBTS : 0;

@@ -8,6 +8,12 @@
 #include "gb_internal.h"
 
 /* The part that is to be tried, 1: none. theta: of the first event, 2: none. */
-double gb_part_again(gb_sim *sim, double theta);
+double gb_part_in_question(gb_sim *sim, double theta);
+
+/* The same; most steps have no event, and nothing in them is in doubt. */
+static inline double gb_part_again(gb_sim *sim, double theta) {
+    const int asked = theta < 1.0 || sim->events.undersampled || sim->events.in_doubt;
+    return asked ? gb_part_in_question(sim, theta) : 1.0;
+}
 
 #endif
