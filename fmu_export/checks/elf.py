@@ -17,7 +17,8 @@ _MOST = 1 << 16  # entries of a table
 class SharedLibrary:
     """Exported and imported symbols, needed libraries, the newest glibc version asked for, e.g. (2, 17).
 
-    writable: bytes of variables that every instance in a process would share (.data and .bss).
+    writable: bytes of variables that every instance in a process would share (.data and .bss). Tables of long trains, which
+    are filled once before there is an instance, are in a section of their own (gb_filled).
     """
 
     exports: frozenset[str]

@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 from gearblocks.language.block import Block, Declared
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Field
-from gearblocks.language.signals import Input, Parameter, Table
+from gearblocks.language.signals import Input, Parameter, Table, constant_value
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given
+from gearblocks.train.content import content_of
 from gearblocks.train.values import is_plain, leaves_of, numbers_of
 
 
@@ -54,9 +55,16 @@ def _structure(value: Any, field: Field, exact: bool) -> Any:
     if isinstance(value, (Table, Table2)):
         return ("table", value.digest())
     if isinstance(value, Expr):
-        leaves = sorted({repr(leaf.args[0]) for leaf in value.leaves() if leaf.op == "input"})
-        return ("expression", str(value), *leaves)
-    return repr(value)
+        zero = exact and field.ge == 0 and constant_value(value) == 0
+        return (*structure_of_expression(value), *(["zero"] if zero else []))
+    return content_of(value)
+
+
+def structure_of_expression(value: Expr) -> tuple[str, ...]:
+    """An expression with its Inputs, and with its Parameters but for their values: programs know the units of both."""
+    inputs = sorted({repr(leaf.args[0]) for leaf in value.leaves() if leaf.op == "input"})
+    parameters = sorted({f"{x.args[0].name} in {x.args[0].unit}" for x in value.leaves() if x.op == "parameter"})
+    return ("expression", str(value), *inputs, *parameters)
 
 
 _NUMBERS = frozenset((float, int, Given))

@@ -1,11 +1,13 @@
 """Long tables of the generated C are written out from a few numbers, and are then what they were."""
 
+import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import gearblocks as gb
+from fmu_export.checks.elf import read_shared_library
 from gearblocks.codegen import long_tables
 from gearblocks.codegen.long_tables import LONG, LongTables, pattern_of
 from gearblocks.model.build import make_program
@@ -78,12 +80,20 @@ def test_tables_that_are_written_out_change_no_bit_of_a_run(monkeypatch, method)
     monkeypatch.setattr(long_tables, "LONG", 9)
     program = make_program(_train().train())
     assert program.source.count("static const int bends") > 20
-    assert "static signed char energy_sign[" in program.source
+    assert "static GB_FILLED signed char energy_sign[" in program.source
     other = replace(model, program=program, library=compile_program(program))
     runs = [gb.simulate(x, t=np.linspace(0, 0.05, 51), method=method) for x in (model, other)]
     names = [x.name for x in program.outputs]
     assert np.abs(runs[0]["link1.torque"]).max() > 0
     assert all(runs[0][name].tobytes() == runs[1][name].tobytes() for name in names)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads ELF")
+def test_tables_that_are_written_out_are_no_variables_that_instances_share(monkeypatch):
+    """As the check of an FMU asks (fmu_export/checks/file.py)."""
+    monkeypatch.setattr(long_tables, "LONG", 9)
+    library = compile_program(make_program(_train().train()))
+    assert read_shared_library(library.path.read_bytes()).writable <= 64
 
 
 def test_the_text_over_lanes_has_all_its_tables(monkeypatch):
