@@ -5,7 +5,7 @@ Nothing is run before all of it is known to fit.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -39,6 +39,7 @@ from gearblocks.simulation.trajectory import Trajectory
 from gearblocks.solver.cache import digest
 from gearblocks.solver.library import Model
 from gearblocks.solver.structures import Options
+from gearblocks.train.content import content_of
 
 Array = NDArray[np.float64]
 
@@ -262,25 +263,13 @@ def _fixed(task: Task) -> bytes:
 
 
 def _measure_text(measure: Measure) -> str:
-    if isinstance(measure, Quantity):
-        return repr(measure)
-    return _function_text(measure)
-
-
-def _function_text(function: Callable[..., Any]) -> str:
-    code = getattr(function, "__code__", None)
-    body = (
-        ""
-        if code is None
-        else f"{code.co_code.hex()} {[c for c in code.co_consts if not hasattr(c, 'co_code')]!r} {code.co_names}"
-    )
-    return f"{getattr(function, '__qualname__', repr(type(function)))} {body}"
+    return repr(measure) if isinstance(measure, Quantity) else content_of(measure)
 
 
 def _source_text(source: Any) -> str:
     if isinstance(source, Table):
         return f"{np.asarray(source.x).tolist()} {np.asarray(source.y).tolist()} {source.kind} {source.periodic}"
-    return _function_text(source) if callable(source) else repr(finite_number("an input", source))
+    return content_of(source) if callable(source) else repr(finite_number("an input", source))
 
 
 def start_text(initial: Any) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from gearblocks.blocks.backlash import Backlash, HuntCrossley
-from gearblocks.language.block import Effect, values_of
+from gearblocks.language.block import Effect, field_values
 from gearblocks.language.fields import State, effect, option, param, signal
 from gearblocks.language.signals import Signal, Table, Value, constant_value
 
@@ -299,7 +299,7 @@ class MeshLaw(Effect):
 
     def values(self) -> dict[str, Any]:
         """The fields by name, as a GearMesh takes them."""
-        return values_of(self)
+        return field_values(self)
 
     def shifted(self, phase: float) -> MeshLaw:
         """The law with every excitation over the mesh cycle ahead by a phase [rad]."""
@@ -315,7 +315,7 @@ class MeshLaw(Effect):
 def _shifted(excitation: Effect, phase: float) -> Any:
     """An excitation, or every part of a sum, ahead by a phase; other effects as they are."""
     if isinstance(excitation, Superposition):
-        return excitation.changed(**{name: _shifted(part, phase) for name, part in values_of(excitation).items()})
+        return excitation.changed(**{name: _shifted(part, phase) for name, part in field_values(excitation).items()})
     if "phase" not in type(excitation).fields:
         return excitation
     given = excitation.__dict__["phase"]

@@ -271,6 +271,10 @@ class Program:
         """Paths of the parameters that the structure rests on."""
         return frozenset(path for path, _ in self.structural)
 
+    def why_structural(self, path: str) -> str:
+        """What one of them does, in words: one that is 0 takes an inertia away, say."""
+        return "is 0" if dict(self.structural)[path] == 0.0 else "enters a ratio"
+
     @cached_property
     def input_numbers(self) -> Mapping[str, int]:
         """Numbers of the inputs by name."""

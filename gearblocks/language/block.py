@@ -102,14 +102,14 @@ class Declared(metaclass=Documented):
         return f"{type(self).__name__}({', '.join(given)})"
 
     def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and values_of(self) == values_of(other)
+        return type(self) is type(other) and field_values(self) == field_values(other)
 
     def __hash__(self) -> int:
-        return hash((type(self), *values_of(self).values()))
+        return hash((type(self), *field_values(self).values()))
 
     def changed(self, **values: Any) -> Any:
         """A copy with other values."""
-        return type(self)(**values_of(self) | values)
+        return type(self)(**field_values(self) | values)
 
     def problems(self) -> Iterator[str]:
         """Problems of the combination of values, each as one sentence without the block's name.
@@ -124,7 +124,7 @@ class Declared(metaclass=Documented):
         return self.problems()
 
 
-def values_of(owner: Any) -> dict[str, Any]:
+def field_values(owner: Any) -> dict[str, Any]:
     """The values of the fields of an object by name. What it keeps for itself (functools.cached_property) is none of them."""
     return {name: owner.__dict__[name] for name in type(owner).fields}
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from gearblocks.language.block import Block, Declared, Effect, values_of
+from gearblocks.language.block import Block, Declared, Effect, field_values
 from gearblocks.language.contributions import Shows
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import State, effect, signal
@@ -40,7 +40,7 @@ class HeatPort(Effect):
 
     def needed_by(self, block: Block) -> bool:
         """Whether a signal of the block contains gb.temperature."""
-        return any(reads_temperature(value) for value in values_of(block).values())
+        return any(reads_temperature(value) for value in field_values(block).values())
 
 
 HEAT: Any = effect("heat port: what is lost leaves as heat, at a temperature", default=None)
@@ -50,7 +50,7 @@ def reads_temperature(value: Any) -> bool:
     """Whether gb.temperature stands in a value, or in a signal of an effect."""
     if isinstance(value, Expr):
         return any(leaf.op == "local" and leaf.args[0] == "temperature" for leaf in value.leaves())
-    return isinstance(value, Declared) and any(map(reads_temperature, values_of(value).values()))
+    return isinstance(value, Declared) and any(map(reads_temperature, field_values(value).values()))
 
 
 def heat_port(block: Declared) -> tuple[str, HeatPort] | None:

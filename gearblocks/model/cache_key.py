@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from gearblocks.errors import ModelError
-from gearblocks.language.block import Declared, values_of
+from gearblocks.language.block import Declared, field_values
 from gearblocks.solver.cache import digest
 from gearblocks.train.content import Contents
 from gearblocks.train.graph import Train
@@ -46,7 +46,7 @@ def _classes_in(value: Any) -> Iterator[type[Declared]]:
     """The classes of a block or effect, of its effects, and of theirs."""
     if isinstance(value, Declared):
         yield type(value)
-    inner = value if isinstance(value, tuple) else values_of(value).values() if isinstance(value, Declared) else ()
+    inner = value if isinstance(value, tuple) else field_values(value).values() if isinstance(value, Declared) else ()
     for part in inner:
         yield from _classes_in(part)
 

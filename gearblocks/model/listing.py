@@ -103,7 +103,8 @@ def parameters(train: Train, patterns: tuple[str, ...]) -> Listing:
         for i, p in enumerate(program.parameters):
             unit = p.given_in or p.unit
             value = None if i in later else parse_unit(unit).of_si(float(values.get(p.path, 0.0)))
-            note = "; enters a ratio, changed by rig.set" if p.path in program.structural_paths else ""
+            structural = p.path in program.structural_paths
+            note = f"; {program.why_structural(p.path)}, changed by rig.set" if structural else ""
             yield Listed(p.path, unit, p.words + note, value)
 
     return _picked("parameters", _by_part(train, entries()), patterns)

@@ -16,7 +16,7 @@ import numpy as np
 
 from gearblocks.blocks.effects import Profile
 from gearblocks.blocks.gears import IdealGear
-from gearblocks.language.block import Block, Declared, values_of
+from gearblocks.language.block import Block, Declared, field_values
 from gearblocks.language.fields import Field
 from gearblocks.language.signals import Table, constant_value
 from gearblocks.train.graph import Tree, blocks_of
@@ -131,7 +131,7 @@ def _law_of_teeth(x: _Number, module: float, k: float) -> Iterator[str]:
 
 def _tables(path: str, owner: Declared, module: float) -> Iterator[str]:
     """Measured cycles: a stiffness relative to k, an error in m."""
-    for name, part in values_of(owner).items():
+    for name, part in field_values(owner).items():
         where = f"{path}.{name}"
         if isinstance(part, Profile) and isinstance(part.table, Table):
             largest = float(np.abs(part.table.y).max())

@@ -222,9 +222,8 @@ def parameter_vector(
         i = _number_of_parameter(model, path)
         info = program.parameters[i]
         if info.path in structural:
-            raise ParameterError(
-                f"'{info.path}' enters a ratio, which is structural: make a new train with rig.set(...)"
-            )
+            why = program.why_structural(info.path)
+            raise ParameterError(f"'{info.path}' {why}, which is structural: make a new train with rig.set(...)")
         result[i] = finite_number(info.path, number_of(info.path, value, info))
         given.append(i)
     if given:

@@ -6,7 +6,7 @@ Frozen; found without sympy. Knows nothing of laws: whether a node moves by itse
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -19,7 +19,7 @@ from gearblocks.train.heat import has_heat, receiving
 from gearblocks.train.nesting import localised
 from gearblocks.train.structure import Kind, kinds_of
 from gearblocks.train.translational import sliders_of, sliding_nodes
-from gearblocks.train.values import unit_problems
+from gearblocks.train.values import unit_problems, value_problems
 
 GROUND = -1
 """The node number of a flange that means the ground because nothing is connected to it."""
@@ -108,7 +108,8 @@ class _Parts:
     """Blocks with their full paths and the number of their first flange; nodes: flanges that are connected are one; joined:
     flanges that stand in a link.
 
-    whole: composite blocks stay as they are. n: flanges so far.
+    whole: composite blocks stay as they are. n: flanges so far. problems: of the numbers that composite blocks give their
+    parts, as nobody adds these.
     """
 
     blocks: list[tuple[str, Block, int]]
@@ -116,6 +117,7 @@ class _Parts:
     joined: set[int]
     whole: bool
     n: int = 0
+    problems: list[str] = field(default_factory=list)
 
     def enter(self, node: Tree, prefix: str) -> dict[str, int]:
         """Takes the parts and links of a tree; what its exposed flanges are."""
@@ -127,6 +129,8 @@ class _Parts:
                 part = localised(part, prefix, names)
             inner = _inside(name, part, self.whole)
             if inner is not None:
+                if isinstance(part, Block):
+                    self.problems += [x for n, b in inner.parts for x in value_problems(f"{path}.{n}", b)]
                 local |= {(name, flange): end for flange, end in self.enter(inner, path + ".").items()}
                 continue
             self.blocks.append((path, part, self.n))
@@ -174,8 +178,8 @@ def _number(tree: Tree, parts: _Parts, complete: bool) -> Train:
             )
         components.append((path, block, tuple(nodes)))
     sliding, mixed = sliding_nodes(components, len(numbers))
-    if (problems or mixed) and complete:
-        raise ModelError(problems + mixed)
+    if (problems or mixed or parts.problems) and complete:
+        raise ModelError(parts.problems + problems + mixed)
     if not components:
         raise ModelError(f"the drivetrain '{tree.name}' is empty: add blocks")
     slides = (sliders_of(block, nodes, sliding) if sliding else () for _, block, nodes in components)

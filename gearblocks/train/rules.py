@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from gearblocks.language.block import Block, Declared, values_of
+from gearblocks.language.block import Block, Declared, field_values
 from gearblocks.language.signals import Parameter
 from gearblocks.language.units import parse_unit
 from gearblocks.train.graph import Component
@@ -83,7 +83,7 @@ def _judges(block: Declared) -> bool:
     """Whether a block or one of its effects relates its numbers."""
     if type(block).problems is not Declared.problems:
         return True
-    return any(isinstance(part, Declared) and _judges(part) for part in values_of(block).values())
+    return any(isinstance(part, Declared) and _judges(part) for part in field_values(block).values())
 
 
 def _stands_alone(block: Block, name: str) -> bool:

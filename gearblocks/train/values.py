@@ -12,7 +12,7 @@ from typing import Any
 
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.language.annotations import effect_classes
-from gearblocks.language.block import Block, Declared, Effect, values_of
+from gearblocks.language.block import Block, Declared, Effect, field_values
 from gearblocks.language.expression import Expr
 from gearblocks.language.fields import Field
 from gearblocks.language.heat import heat_port, reads_temperature
@@ -116,7 +116,7 @@ def _around(spec: Field) -> tuple[float, float]:
 def _own_problems(block: Block, again: bool) -> Iterator[str]:
     """What a block and its effects find wrong by themselves, or of their numbers alone."""
     yield from block.number_problems() if again else block.problems()
-    for name, part in values_of(block).items():
+    for name, part in field_values(block).items():
         if isinstance(part, Declared):
             found = part.number_problems() if again else part.problems()
             yield from (p if p.startswith(name) else f"{name}: {p}" for p in found)

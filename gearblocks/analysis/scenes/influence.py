@@ -13,7 +13,7 @@ from typing import Any
 
 from gearblocks.analysis.quantity import Quantity, belongs
 from gearblocks.blocks.sources import Acceleration, Angle, Speed
-from gearblocks.language.block import Declared, values_of
+from gearblocks.language.block import Declared, field_values
 from gearblocks.language.expression import Expr
 from gearblocks.train.graph import GROUND, Component, Train
 
@@ -80,7 +80,7 @@ def _prescribes(c: Component) -> bool:
 
 def _sensed(c: Component, by_path: dict[str, Component]) -> Iterator[str]:
     """Components whose outputs the signals of a component read."""
-    for leaf in _leaves(tuple(values_of(c.block).values())):
+    for leaf in _leaves(tuple(field_values(c.block).values())):
         name = str(leaf)
         while name and name not in by_path:
             name = name.rpartition(".")[0]
@@ -95,4 +95,4 @@ def _leaves(values: tuple[Any, ...]) -> Iterator[Any]:
         elif isinstance(value, tuple):
             yield from _leaves(value)
         elif isinstance(value, Declared):
-            yield from _leaves(tuple(values_of(value).values()))
+            yield from _leaves(tuple(field_values(value).values()))

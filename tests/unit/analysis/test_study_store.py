@@ -69,6 +69,27 @@ def test_a_store_of_another_study_is_refused_by_what_differs(
     assert f"holds another study (what differs: {words})" in str(caught.value)
 
 
+def _scaled(k: float) -> Any:
+    return lambda run: k * float(run["shaft.torque"][-1])
+
+
+def _constant(x: float) -> Any:
+    return lambda t: x
+
+
+def test_functions_are_told_apart_by_what_they_have_from_around_them(clutch_model: gb.Model, tmp_path: Path) -> None:
+    few = {"values": {"shaft.k": [100.0]}, "t_end": 0.01}
+    first = _swept(clutch_model, tmp_path / "out.zarr", quantity=_scaled(1.0), **few)
+    again = _swept(clutch_model, tmp_path / "out.zarr", quantity=_scaled(1.0), **few)
+    assert again.values.tobytes() == first.values.tobytes()
+    with pytest.raises(gb.errors.StorageError, match="what differs: the quantities"):
+        _swept(clutch_model, tmp_path / "out.zarr", quantity=_scaled(2.0), **few)
+    _swept(clutch_model, tmp_path / "in.zarr", inputs={"tau": _constant(1.0)}, **few)
+    _swept(clutch_model, tmp_path / "in.zarr", inputs={"tau": _constant(1.0)}, **few)
+    with pytest.raises(gb.errors.StorageError, match="what differs: the inputs"):
+        _swept(clutch_model, tmp_path / "in.zarr", inputs={"tau": _constant(2.0)}, **few)
+
+
 def test_a_store_of_another_train_is_refused(clutch_model: gb.Model, tmp_path: Path) -> None:
     rig = gb.Drivetrain("other")
     rig.chain(

@@ -101,3 +101,13 @@ def test_an_input_that_is_given_what_it_does_not_take_says_what_it_takes(given: 
         gb.simulate(rig, t_end=0.1, inputs={"tau": given})
     expression = isinstance(given, gb.Parameter) or "1/time" in str(told.value)
     assert ("an expression belongs into the field" in str(told.value)) == expression
+
+
+def test_an_inertia_that_is_zero_is_told_as_that_and_not_as_a_ratio() -> None:
+    rig = gb.Drivetrain("light")
+    rig.chain(
+        rig.add("torque", gb.Torque(tau=1.0)), rig.add("disc", gb.Inertia(J=0.0)), rig.add("spring", gb.Shaft(k=1.0, c=0.1)),
+        rig.add("body", gb.Inertia(J=1.0)),
+    )  # fmt: skip
+    with pytest.raises(gb.ParameterError, match=r"'disc\.J' is 0, which is structural"):
+        gb.simulate(rig, t_end=1.0, parameters={"disc.J": 1.0})

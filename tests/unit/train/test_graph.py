@@ -93,3 +93,24 @@ def test_ties_that_contradict_are_named_with_their_loop() -> None:
     rig.connect(a.b, one.a, two.a)
     rig.connect(one.b, two.b, b.a)
     _refused(lambda: gb.build(rig), "'one'", "'two'", "contradict each other", "3 and 2 turns")
+
+
+class Stage(gb.Block):
+    """A composite block of a user's, which bounds nothing itself."""
+
+    a, b = gb.Flange("in"), gb.Flange("out")
+    k: float = gb.param("stiffness", "N m/rad")
+
+    def parts(self) -> gb.Parts:
+        blocks = {"spring": gb.Shaft(k=self.k, c=0.1), "body": gb.Inertia(J=1.0)}
+        return gb.Parts(blocks, ((("spring", "b"), ("body", "a")),), {"a": ("spring", "a"), "b": ("body", "b")})
+
+    def physics(self, s: Any) -> Any:
+        return iter(())
+
+
+def test_numbers_that_a_composite_block_gives_its_parts_are_judged_as_those_of_any_block() -> None:
+    _refused(
+        lambda: gb.build(_chain(_inertia(), *(Stage(k=k) for k in (1.0, 1.0, -1.0, 1.0)))), "Shaft 'b3.spring': k = -1"
+    )
+    assert gb.build(_chain(_inertia(), *(Stage(k=1.0) for _ in range(4))))
