@@ -166,7 +166,8 @@ def option(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None,
     absence_of: str | None = None, turns: bool = False,
 ) -> Any:  # fmt: skip
-    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them.
+    """A choice (text, truth, number) that decides the form of the law. Structural. many=True: a tuple of them. A function, an
+    array or another object counts by its content.
 
     absence_of: the effect ("compliance") that True stands for the absence of. turns: see `effect`, where it takes one.
     """

@@ -164,6 +164,11 @@ def _check_against(program: Program, train: Train, values: dict[str, float], nam
     values that are solved for."""
     double = names & {q.name for q in program.outputs} if names else set()
     problems = [f"'{name}' names an input or Parameter and an output; rename the first" for name in sorted(double)]
+    states = {s.name for s in program.starts if s.of == "state"}
+    problems += [
+        f"'{s.name}' names a state of this block and the start {s.of} of its body; rename the state"
+        for s in program.starts if s.of != "state" and s.name in states
+    ]  # fmt: skip
     problems += contradictions(program, train)
     problems += solve_dependent(program, train, values)
     problems += solve_relative(program, train, values)

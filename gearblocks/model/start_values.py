@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 
 import numpy as np
@@ -41,11 +41,12 @@ def parameter_value(leaf: Expr) -> float:
 
 def contradictions(program: Program, train: Train) -> Iterator[str]:
     """Start values of one rigid group that contradict each other."""
+    starts = {s.name: s for s in program.starts if s.of in (ANGLE, SPEED)}
     given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
         for of, field in start_fields(type(c.block)).items():
             value = start_of(c.block, of)
-            start = None if value is None else _start_at(program, c.path, of)
+            start = None if value is None else _start_at(starts, c.path, of)
             if value is not None and start is not None:
                 scaled = value * start.factor
                 before = given.setdefault(start.offset, (c.path, field, value, scaled))
@@ -56,13 +57,10 @@ def contradictions(program: Program, train: Train) -> Iterator[str]:
                     )
 
 
-def _start_at(program: Program, path: str, of: str) -> StartInfo | None:
+def _start_at(starts: Mapping[str, StartInfo], path: str, of: str) -> StartInfo | None:
     """The start angle or speed of a component, on a turning shaft or on a slider."""
-    for slides in (False, True):
-        i = program.start_numbers.get(f"{path}.{flange_names(slides)[of == SPEED]}")
-        if i is not None and program.starts[i].of == of:
-            return program.starts[i]
-    return None
+    turning, sliding = (f"{path}.{flange_names(slides)[of == SPEED]}" for slides in (False, True))
+    return starts.get(turning) or starts.get(sliding)
 
 
 def solve_dependent(program: Program, train: Train, values: dict[str, float]) -> Iterator[str]:

@@ -33,6 +33,24 @@ def test_start_values_that_contradict_are_refused_also_where_the_program_is_know
         _refused(lambda rig=rig: gb.build(rig), "'b0': w0 = 1.0", "'b2': w0 = 3.0", "contradict")
 
 
+def test_a_state_that_has_the_name_of_a_start_value_is_refused() -> None:
+    """initial={"b0.w": ...} would mean either, and start speeds that contradict each other would go unseen."""
+
+    class Fan(gb.Block):
+        a = gb.Flange("shaft")
+        J: float = gb.param("inertia", "kg m2", gt=0)
+        w0: float | None = gb.param("start speed", "rad/s", default=None, start="speed")
+        w = gb.State("speed of the air")
+
+        def physics(self, s: Any) -> Any:
+            yield gb.Body(s.a, s.J)
+            yield gb.Rate(s.w, s.a.w - s.w)
+
+    rig = gb.Drivetrain("fans")
+    rig.connect(*(rig.add(f"b{i}", Fan(J=1.0, w0=1.0 + i)).a for i in range(2)))
+    _refused(lambda: gb.build(rig), "'b0.w' names a state of this block and the start speed of its body", "rename")
+
+
 X = math.radians(240)
 LAW = gb.RatioLaw.segments(0.7 / X, 0.5, X)
 
