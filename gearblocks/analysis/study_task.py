@@ -5,8 +5,9 @@ Nothing is run before all of it is known to fit.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -263,13 +264,18 @@ def _fixed(task: Task) -> bytes:
 
 
 def _measure_text(measure: Measure) -> str:
-    return repr(measure) if isinstance(measure, Quantity) else content_of(measure)
+    return repr(measure) if isinstance(measure, Quantity) else _callable_text(measure)
+
+
+def _callable_text(function: Callable[..., Any]) -> str:
+    """A function by its content; an object that is called by its class, as it may count its calls."""
+    return content_of(function if isinstance(function, FunctionType) else type(function))
 
 
 def _source_text(source: Any) -> str:
     if isinstance(source, Table):
         return f"{np.asarray(source.x).tolist()} {np.asarray(source.y).tolist()} {source.kind} {source.periodic}"
-    return content_of(source) if callable(source) else repr(finite_number("an input", source))
+    return _callable_text(source) if callable(source) else repr(finite_number("an input", source))
 
 
 def start_text(initial: Any) -> str:
