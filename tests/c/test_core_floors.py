@@ -74,6 +74,7 @@ ALONE = (
     "gb_delassus.h",
     "gb_inline.h",
     "gb_gauss_jordan.h",
+    "gb_coupled_bounds.h",
     "gb_lcp.h",
     "gb_loss.h",
     "gb_constraint_rows.h",

@@ -68,7 +68,7 @@ static inline void gb_active_invert(const gb_constraint_rows *rows, const double
         for (int r = 0; r < k; r++) {
             in[(int)a->index[r]] = 1;
         }
-        gb_delassus_factor(&W, in, 0.0, a->inverse);
+        gb_delassus_factor(&W, in, NULL, a->inverse);
         return;
     }
     for (int i = 0; i < k; i++) {

@@ -245,7 +245,7 @@ static void slips_of_candidates(gb_sim *sim, double *slip) {
     if (slips == 0 || bounds_before(sim, tie_of) == 0) {
         return;
     }
-    const gb_lcp problem = {gb_delassus_of(sim), c->in, NULL, c->room, 0};
+    const gb_lcp problem = {gb_delassus_of(sim), c->in, NULL, c->room, 0, NULL};
     const gb_force_bounds bounds = {c->lo, c->hi, c->bounds, tie_of, c->shrink};
     memcpy(force, c->force, sizeof(double) * (size_t)n);
     gb_split_at_rest(&problem, c->right, &bounds, c->force);

@@ -143,8 +143,12 @@ gb_delassus gb_delassus_of(const gb_sim *sim) {
 
 int gb_solve_problem(gb_sim *sim, int coupled) {
     const gb_coupled_bounds bounds = {sim->constraints.on, sim->constraints.lo_slope, sim->constraints.hi_slope, 0};
-    const gb_lcp problem = {gb_delassus_of(sim), sim->constraints.in, coupled ? &bounds : NULL, sim->constraints.room,
-                            sim->model->constraint_rows->shares};
+    const gb_lcp problem = {gb_delassus_of(sim),
+                            sim->constraints.in,
+                            coupled ? &bounds : NULL,
+                            sim->constraints.room,
+                            sim->model->constraint_rows->shares,
+                            NULL};
     if (!gb_lcp_solve(&problem, sim->constraints.right, sim->constraints.lo, sim->constraints.hi,
                       sim->constraints.force)) {
         int first = 0;

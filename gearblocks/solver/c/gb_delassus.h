@@ -73,14 +73,15 @@ static inline double gb_delassus_diagonal(const gb_delassus *W, int i) {
     return W->pattern ? W->value[i] : W->value[(long)i * W->n + i];
 }
 
-/* L D L' of  W_aa + lift I  for the constraints with in[i]: inverse of D by step, L by place. */
-static inline void gb_delassus_factor(const gb_delassus *W, const int *in, double lift, double *factor) {
+/* L D L' of  W_aa + diag(lift)  for the constraints with in[i]: inverse of D by step, L by place. lift: NULL for none.
+ */
+static inline void gb_delassus_factor(const gb_delassus *W, const int *in, const double *lift, double *factor) {
     const gb_symmetric_pattern *p = W->pattern;
     const double *entry = W->value + W->n;
     double *inverse = factor, *lower = factor + W->n, y[W->n + 1];
     for (int k = 0; k < W->n; k++) {
         const int from = p->row_start[k], to = p->row_start[k + 1], i = p->order[k];
-        double pivot = in[i] ? W->value[i] + lift : 1.0;
+        double pivot = in[i] ? W->value[i] + (lift ? lift[i] : 0.0) : 1.0;
         for (int at = from; at < to; at++) {
             const int j = p->row_column[at];
             y[j] = in[i] && in[p->order[j]] ? entry[p->row_place[at]] : 0.0;

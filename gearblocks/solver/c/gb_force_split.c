@@ -261,7 +261,7 @@ static double gb_split_room(const gb_lcp *problem, const int *is_own, const doub
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
               double *force, double *violation) {
     const int n = W->n;
-    const gb_lcp problem = {*W, is_active, NULL, a->room, 0};
+    const gb_lcp problem = {*W, is_active, NULL, a->room, 0, NULL};
     double b[n + 1], x[n + 1], other[n + 1], ignored = 0.0;
     int is_own[n + 1];
     for (int i = 0; i < n; i++) {

@@ -11,39 +11,22 @@
 #ifndef GB_LCP_H
 #define GB_LCP_H
 
+#include "gb_coupled_bounds.h"
 #include "gb_delassus.h"
 #include "gb_gauss_jordan.h"
 
 #include <float.h>
 
-/* Bounds that grow with another unknown: lo[i] x_p is added to the lower one, hi[i] x_p to the upper one, p = on[i]
- * (-1: they do not). NULL: none does. associated: at such a bound y_i pushes x_p too, by the slope of it, and x_p may
- * have bounds of its own. */
-typedef struct gb_coupled_bounds {
-    const int *on;
-    const double *lo, *hi;
-    int associated;
-} gb_coupled_bounds;
-
-/* By how much the lower (side < 0) or upper bound of unknown i grows with another one. */
-static inline double gb_lcp_slope(const gb_coupled_bounds *coupled, int i, int side) {
-    return coupled && coupled->on[i] >= 0 ? (side < 0 ? coupled->lo[i] : coupled->hi[i]) : 0.0;
-}
-
-/* What is added to that bound. */
-static inline double gb_lcp_shift(const gb_coupled_bounds *coupled, int i, int side, const double *x) {
-    const double slope = gb_lcp_slope(coupled, i, side);
-    return slope != 0.0 ? slope * x[coupled->on[i]] : 0.0;
-}
-
 /* A, the unknowns that take part, their coupled bounds (NULL: there are none), and room for as many numbers as A has.
- * graded: where rows are redundant each unknown counts, as where lossy gears share a load; so with coupled bounds. */
+ * graded: where rows are redundant each unknown counts, as where lossy gears share a load; so with coupled bounds.
+ * weight: of the lift, by unknown (gb_lcp_solve). */
 typedef struct gb_lcp {
     gb_delassus A;
     const int *in;
     const gb_coupled_bounds *coupled;
     double *room;
     int graded;
+    const double *weight;
 } gb_lcp;
 
 /* Unknown j is at a bound that pushes unknown i. */
@@ -60,7 +43,7 @@ static inline void gb_lcp_add_row(const gb_lcp *lcp, int i, double factor, doubl
     const int count = gb_delassus_row(&lcp->A, i, column, value);
     for (int k = 0; k < count; k++) {
         const int j = column[k], on = lcp->coupled ? lcp->coupled->on[j] : -1;
-        const double a = factor * (value[k] + (j == i ? lift : 0.0));
+        const double a = factor * (value[k] + (j == i ? lift * lcp->weight[i] : 0.0));
         if (lcp->in[j] && !side[j]) {
             row[position[j]] += a;
         } else if (lcp->in[j] && on >= 0 && position[on] >= 0) {
@@ -104,8 +87,9 @@ static inline void gb_lcp_dense(const gb_lcp *lcp, double lift, const int *side,
 static inline void gb_lcp_inside(const gb_lcp *lcp, double lift, const double *b, const int *side, double *x) {
     const int n = lcp->A.n;
     int inside[n + 1], is_inside[n + 1], free = 0;
-    double right[n + 1], size = 0.0;
+    double right[n + 1], lifts[n + 1], size = 0.0;
     for (int i = 0; i < n; i++) {
+        lifts[i] = lift * lcp->weight[i];
         is_inside[i] = lcp->in[i] && side[i] == 0;
         if (is_inside[i]) {
             inside[free++] = i;
@@ -115,10 +99,10 @@ static inline void gb_lcp_inside(const gb_lcp *lcp, double lift, const double *b
     for (int i = 0; i < n; i++) {
         const int pushes = lcp->coupled && gb_lcp_pushes(lcp, side, i, lcp->coupled->on[i]);
         right[i] = is_inside[i] || pushes ? -b[i] - gb_delassus_product(&lcp->A, i, x, &size) : 0.0;
-        right[i] -= pushes ? lift * x[i] : 0.0;
+        right[i] -= pushes ? lift * lcp->weight[i] * x[i] : 0.0;
     }
     if (lcp->A.pattern) {
-        gb_delassus_factor(&lcp->A, is_inside, lift, lcp->room);
+        gb_delassus_factor(&lcp->A, is_inside, lifts, lcp->room);
         gb_delassus_solve(n, lcp->A.pattern, lcp->room, right);
     } else {
         gb_lcp_dense(lcp, lift, side, free, inside, right);
@@ -137,7 +121,8 @@ static inline double gb_lcp_left(const gb_lcp *lcp, double lift, const double *b
                                  int i) {
     const int n = lcp->A.n;
     int column[n + 1];
-    double value[n + 1], y = b[i] + lift * x[i], size = fabs(b[i]) + lift * largest;
+    const double own = lift * lcp->weight[i];
+    double value[n + 1], y = b[i] + own * x[i], size = fabs(b[i]) + own * largest;
     const int count = gb_delassus_row(&lcp->A, i, column, value);
     for (int k = 0; k < count; k++) {
         y += value[k] * x[column[k]];
@@ -293,26 +278,43 @@ static inline int gb_lcp_correct(const gb_lcp *lcp, double lift, const double *b
     return moved <= 1e-13 * largest ? 2 : 1;
 }
 
+/* Weights of the lift, which is by the largest diagonal: returns that. An unknown whose own one is far smaller (a load
+ * of its own beside a body that is 1e-8 as heavy) is lifted by no more than FARTHEST of the largest would be. */
+static const double GB_LCP_FARTHEST = 1e-5;
+static inline double gb_lcp_weights(const gb_lcp *lcp, double *weight) {
+    const int n = lcp->A.n;
+    double most = 0.0;
+    for (int i = 0; i < n; i++) {
+        most = lcp->in[i] ? fmax(most, fabs(gb_delassus_diagonal(&lcp->A, i))) : most;
+    }
+    for (int i = 0; i < n; i++) {
+        const double own = lcp->in[i] ? fabs(gb_delassus_diagonal(&lcp->A, i)) : 0.0;
+        weight[i] = own > 0.0 && own < GB_LCP_FARTHEST * most ? own / (GB_LCP_FARTHEST * most) : 1.0;
+    }
+    return most;
+}
+
 /* The same for a matrix that may be singular: among the solutions about the smallest x, by steps of a proximal method.
  * The lift of the first is large where each unknown counts, since rounding leaves size/lift of a step along what A does
  * not see; from one to the next there is less left to do, down to 1e-9 of the largest diagonal as without. Beside that,
  * what is 1e-7 of the largest and less takes more steps than the few that do for all others. */
 enum { GB_LCP_GRADES = 6, GB_LCP_STEPS = 4, GB_LCP_MOST_STEPS = 60 };
 static const double GB_LCP_ENDED = 1e-10;
-static inline int gb_lcp_solve(const gb_lcp *lcp, const double *b, const double *lo, const double *hi, double *x) {
-    const int n = lcp->A.n;
-    double right[n + 1], before[n + 1], most = 0.0, moved = 0.0, largest = 0.0;
-    for (int i = 0; i < n; i++) {
-        x[i] = 0.0;
-        most = lcp->in[i] ? fmax(most, fabs(gb_delassus_diagonal(&lcp->A, i))) : most;
-    }
+static inline int gb_lcp_solve(const gb_lcp *given, const double *b, const double *lo, const double *hi, double *x) {
+    const int n = given->A.n;
+    double right[n + 1], before[n + 1], weight[n + 1], moved = 0.0, largest = 0.0;
+    const double most = gb_lcp_weights(given, weight);
+    gb_lcp weighted = *given;
+    const gb_lcp *lcp = &weighted;
+    weighted.weight = weight;
+    memset(x, 0, sizeof(double) * (size_t)n);
     const int graded = lcp->graded || lcp->coupled;
     double lift = most > 0.0 ? (graded ? 1e-3 : 1e-9) * most : 1.0;
     for (int round = graded ? -GB_LCP_GRADES : 0;
          round < GB_LCP_STEPS || (!graded && round < GB_LCP_MOST_STEPS && moved > GB_LCP_ENDED * largest); round++) {
         for (int i = 0; i < n; i++) {
             before[i] = x[i];
-            right[i] = lcp->in[i] ? b[i] - lift * x[i] : 0.0;
+            right[i] = lcp->in[i] ? b[i] - lift * weight[i] * x[i] : 0.0;
         }
         const int found =
             graded ? gb_lcp_correct(lcp, lift, b, lo, hi, 0, x) : gb_lcp_pivoting(lcp, lift, right, lo, hi, x);

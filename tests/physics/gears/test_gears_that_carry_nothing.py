@@ -61,3 +61,15 @@ def test_a_light_body_moves_the_others_by_as_much_as_it_is_heavy(method: str) ->
             run = gb.simulate(with_side, t=t, parameters=numbers | {"light.J": inertia}, method=method, rtol=1e-10)
             off.append((run["first.w"] - truth) / inertia)
         assert np.abs(off[0] - off[1]).max() < 1e-2 * np.abs(off[1]).max() < 1e-2 * np.abs(truth).max(), numbers
+
+
+@pytest.mark.parametrize("inertia", [1e-6, 1e-7, 1e-8, 1e-9])
+def test_bodies_far_lighter_than_the_others_are_no_obstacle(inertia: float) -> None:
+    """A start at rest without load: a lift that is small beside what the light body gives was large beside what the others do."""
+    with_side, without, draw = _model(side=True), _model(side=False), random.Random(2)
+    for method in METHODS:
+        numbers = _drawn(draw)
+        t = np.linspace(0.0, 30.0 / numbers["pace"], 301)
+        truth = gb.simulate(without, t=t, parameters=numbers, rtol=1e-9)["first.w"]
+        run = gb.simulate(with_side, t=t, parameters=numbers | {"light.J": inertia}, method=method, rtol=1e-8)
+        assert np.abs(run["first.w"] - truth).max() < (inertia + 1e-7) * np.abs(truth).max(), numbers
