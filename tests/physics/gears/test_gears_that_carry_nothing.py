@@ -65,7 +65,7 @@ def test_a_light_body_moves_the_others_by_as_much_as_it_is_heavy(method: str) ->
 
 @pytest.mark.parametrize("inertia", [1e-6, 1e-7, 1e-8, 1e-9])
 def test_bodies_far_lighter_than_the_others_are_no_obstacle(inertia: float) -> None:
-    """A start at rest without load: a lift that is small beside what the light body gives was large beside what the others do."""
+    """A start at rest without load: what lifts the matrix little beside the light body lifted it far beside all others."""
     with_side, without, draw = _model(side=True), _model(side=False), random.Random(2)
     for method in METHODS:
         numbers = _drawn(draw)
