@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from gearblocks.analysis.regimes.arclength import BRANCH, DOUBLING, FOLD, GRAZING, Between, followed
 from gearblocks.analysis.regimes.carried import output_of
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, without_records
-from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
+from gearblocks.analysis.regimes.orbit import PeriodicOrbit, no_period, shoot
 from gearblocks.analysis.regimes.orbit_equation import OrbitEquation, Solved
 from gearblocks.analysis.regimes.response import response
 from gearblocks.analysis.regimes.sizes import settled, sized
@@ -221,7 +221,9 @@ def _from_orbit(
 ) -> tuple[OrbitEquation, Solved]:  # fmt: skip
     """The equation at an orbit, and its point there, whose tangent leads into the span."""
     if start is None:
-        seen, y = settled(at(begin), initial, transient)
+        seen, y, passed, acts = settled(at(begin), initial, transient)
+        if not acts.periods:
+            raise no_period(seen, passed, acts)
     elif isinstance(start, PeriodicOrbit):
         y, periods = start.points[0], start.periods
         seen = sized(at(begin), y, 0)
@@ -229,6 +231,11 @@ def _from_orbit(
         raise ParameterError(
             f"start = {start!r:.80} must be an orbit of gb.periodic_orbit, or a mark of another branch"
         )
+    if seen.begun or (isinstance(start, PeriodicOrbit) and start.states[0].t):
+        raise SimulationError(
+            seen.begun * seen.period, "", "what acts on the train at its begin is not what acts later",
+            "a branch is followed over times from 0 on: take away what acts at the begin alone (a ramp, a step)", None,
+        )  # fmt: skip
     neutral = _directions(seen, y)
     orbit = shoot(seen, y, periods, neutral)
     if orbit is not None:

@@ -26,7 +26,7 @@ from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
 from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.plausibility import warn_of_parameters
@@ -140,18 +140,24 @@ def lyapunov(
     seen = strobe(build(train), section, parameters, initial, rtol)
     warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
-    seen, y = settled(seen, initial, transient)
+    seen, y, passed, acts = settled(seen, initial, transient)
     neutral = neutral_directions(seen, y)
-    found = exponents_of(seen, y, neutral, periods, count, transient)
-    return replace(found, orbit=_arrived(seen, found.states, neutral))
+    if not neutral.rest.shape[1]:
+        raise SimulationError(
+            passed * seen.period, "", f"every motion of this train is neutral ({', '.join(neutral.words)})",
+            "there are no exponents but those that are 0 by structure", None,
+        )  # fmt: skip
+    found = exponents_of(seen, y, neutral, periods, count, passed)
+    return replace(found, orbit=_arrived(seen, found, neutral, acts.periods) if acts.periods else None)
 
 
-def _arrived(seen: Strobe, y: Array, neutral: Neutral) -> PeriodicOrbit | None:
-    """The orbit that the motion at the states y is on, if it is on one."""
-    points = np.vstack([y, seen.follow(y, 2 * LONGEST).states])
+def _arrived(seen: Strobe, found: LyapunovExponents, neutral: Neutral, drives: int) -> PeriodicOrbit | None:
+    """The orbit that the motion is on at the end of that, if it is on one; drives: periods after which these repeat."""
+    wait = -found.passed % drives  # orbits begin with them
+    points = np.vstack([found.states, seen.follow(found.states, wait + 2 * LONGEST, after=found.passed).states])[wait:]
     off = misses(points, seen, neutral, LONGEST)
     for m in np.flatnonzero(off <= ARRIVED) + 1:
-        orbit = shoot(seen, y, int(m), neutral)
+        orbit = shoot(seen, points[0], int(m), neutral, drives) if m % drives == 0 else None
         if orbit is not None and orbit.stable:
             return orbit
     return None

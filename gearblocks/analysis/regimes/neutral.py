@@ -72,6 +72,15 @@ def scaled(strobe: Strobe, matrix: Array) -> Array:
     return matrix * (strobe.scale[None, :] / strobe.scale[:, None])
 
 
+def unclosed(seen: Strobe, off: Array, neutral: Neutral) -> Array:
+    """What an orbit must not be off by of differences in sizes, shape (n, ...): along neutral directions angles and slips may
+    go on, speeds may not."""
+    found: Array = neutral.rest @ neutral.apart(off)
+    speeds = [i for i, q in enumerate(seen.model.program.states) if q.kind == "speed"]
+    found[speeds] += (neutral.basis @ (neutral.basis.T @ off))[speeds]
+    return found
+
+
 def neutral_directions(strobe: Strobe, y: Array) -> Neutral:
     """Those of a train, from maps over a period around the states y. Raises SimulationError."""
     rng = np.random.default_rng(0)

@@ -14,7 +14,8 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, scaled
+from gearblocks.analysis.regimes.drives import DRIVES, Drives
+from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions, scaled, unclosed
 from gearblocks.analysis.regimes.sizes import settled
 from gearblocks.analysis.regimes.small_multipliers import with_small_ones
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
@@ -100,27 +101,43 @@ def periodic_orbit(
     seen = strobe(build(train), section, parameters, initial, rtol)
     warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
-    seen, y = settled(seen, initial, transient)
+    seen, y, passed, acts = settled(seen, initial, transient)
+    if not acts.periods:
+        raise no_period(seen, passed, acts)
+    if periods % acts.periods:
+        raise ParameterError(
+            f"periods = {periods} must be a multiple of {acts.periods}: after so many periods of the section the drives of the "
+            "train repeat"
+        )
     neutral = neutral_directions(seen, y)
-    orbit = shoot(seen, y, periods, neutral)
+    orbit = shoot(seen, y, periods, neutral, acts.periods)
     if orbit is None:
         raise SimulationError(
-            transient * seen.period, "", f"no orbit that repeats after {periods} periods was found near the motion",
+            passed * seen.period, "", f"no orbit that repeats after {periods} periods was found near the motion",
             "give another number of periods, a start nearer to it, or a longer transient", None,
         )  # fmt: skip
     return orbit
 
 
-def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> PeriodicOrbit | None:
-    """The orbit by Newton's method from the states y, or None. Its period is the least one."""
+def no_period(seen: Strobe, passed: int, acts: Drives) -> SimulationError:
+    """Why there is no periodic orbit after so many periods."""
+    words = acts.changing or f"the drives do not repeat together within {DRIVES} periods of the section"
+    return SimulationError(
+        passed * seen.period, "", words,
+        "an orbit repeats with what acts on the train: give a longer transient, or another section", None,
+    )  # fmt: skip
+
+
+def shoot(seen: Strobe, y: Array, periods: int, neutral: Neutral, base: int = 1) -> PeriodicOrbit | None:
+    """The orbit by Newton's method from the states y, or None. Its period is the least one; base: that of the drives."""
     found = _newton(seen, y, periods, neutral)
     if found is None:
         return None
     y, run, closure = found
     same = _APART * max(closure, _floor(seen), _unsure(seen, run, closure, neutral))
-    for divisor in range(1, periods):
+    for divisor in range(base, periods, base):
         if periods % divisor == 0 and _misses(seen, y, run.states[divisor - 1], neutral) <= same:
-            return shoot(seen, y, divisor, neutral)
+            return shoot(seen, y, divisor, neutral, base)
     told = _mapped(seen.told_finely, y, periods)
     whole = scaled(seen, (told or run).maps[-1])
     multipliers, logs = with_small_ones(seen, y, periods, neutral, whole, neutral.multipliers(whole))
@@ -170,6 +187,8 @@ def _newton(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> tuple[Arr
             best = y, run, closure
         elif best is not None or closure > 0.5 * min(closures[:-_STALLED], default=np.inf):
             return best
+        if not rest.shape[1]:
+            return best  # what is neutral goes on, or repeats
         off = rest.T @ scaled(seen, run.maps[-1]) @ rest - np.eye(rest.shape[1])
         step = rest @ np.linalg.lstsq(off, -miss, rcond=_RANK)[0]
         y, run = _damped(seen, y, step, periods, closure, neutral)
@@ -190,13 +209,8 @@ def _damped(
 
 
 def _missed(seen: Strobe, end: Array, y: Array, neutral: Neutral) -> float:
-    """How far the end of an orbit is off its begin. Along neutral directions angles and slips may go on, speeds may not."""
-    off = seen.off(end, y)
-    along = neutral.basis @ (neutral.basis.T @ off)
-    speeds = [i for i, q in enumerate(seen.model.program.states) if q.kind == "speed"]
-    counted = neutral.rest @ neutral.apart(off)
-    counted[speeds] += along[speeds]
-    return float(np.abs(counted).max(initial=0.0))
+    """How far the end of an orbit is off its begin."""
+    return float(np.abs(unclosed(seen, seen.off(end, y), neutral)).max(initial=0.0))
 
 
 def _closure(seen: Strobe, y: Array, periods: int, neutral: Neutral) -> float:

@@ -21,7 +21,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.regimes.drives import drive_periods
+from gearblocks.analysis.regimes.drives import DRIVES, begun_at, drives
 from gearblocks.analysis.regimes.exponents import LyapunovExponents, longer, told_exponents
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
@@ -30,7 +30,6 @@ from gearblocks.analysis.regimes.settling import Nearing, misses, nearing
 from gearblocks.analysis.regimes.sizes import sized
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
-from gearblocks.analysis.regimes.turns import without_turns
 from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
@@ -44,9 +43,9 @@ SIGMAS = 3.0
 """Standard errors by which a largest exponent has to exceed zero."""
 _BEYOND = 8  # times the longest period, that is looked for where no exponent is positive or zero
 _FARTHEST = 1024  # periods that are looked for where all exponents are negative
-_DRIVES = 128  # periods of the section within which drives may repeat together, however short periods are asked for
 _TENFOLD = 10  # times the transient, before chaos is said
-_GROWN = 10.0  # times the size of the first half: the motion is not bounded
+_GROWN = 10.0  # times the size of the quarter before: the motion grows
+_ROUNDS = 200  # times the periods so far, in which what grows without bound leaves all numbers
 _SAME_MULTIPLIERS = 1e-3  # of two tolerances, per period: errors of maps over many periods multiply
 _REPEATS = 1e-4  # of the sizes: a torus that comes as near to itself is hardly one
 _APART = 1e-3  # of the sizes: orbits that are further apart are two
@@ -102,7 +101,7 @@ def classify(
     warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
     found = [Asked(seen, transient, keep, longest, lasting).regime(y) for y in _starts(seen, initial, starts)]
-    return found[0] if starts == 1 else _together(found)
+    return found[0] if starts == 1 else _together(seen, found)
 
 
 def _starts(seen: Strobe, initial: Any, count: int) -> Iterator[Array]:
@@ -120,14 +119,14 @@ def _starts(seen: Strobe, initial: Any, count: int) -> Iterator[Array]:
         yield y + size * rng.standard_normal(seen.n)
 
 
-def _together(found: list[Regime]) -> Regime:
+def _together(seen: Strobe, found: list[Regime]) -> Regime:
     """Of several starts."""
     kinds: list[Regime] = []
     for one in found:
-        if not any(_alike(one, other) for other in kinds):
+        if not any(_alike(seen, one, other) for other in kinds):
             kinds.append(one)
     counted = tuple(
-        f"{sum(_alike(one, kind) for one in found)} of {len(found)} starts: {kind.label}, {kind.evidence[0]}"
+        f"{sum(_alike(seen, one, kind) for one in found)} of {len(found)} starts: {kind.label}, {kind.evidence[0]}"
         for kind in kinds
     )
     if len(kinds) == 1:
@@ -136,13 +135,17 @@ def _together(found: list[Regime]) -> Regime:
     return Regime(label if all(k.settled for k in kinds) else "unresolved", counted, parts=tuple(found))
 
 
-def _alike(one: Regime, other: Regime) -> bool:
+def _alike(seen: Strobe, one: Regime, other: Regime) -> bool:
+    """Whether two motions are of one kind, and on one orbit, wherever they are along neutral directions."""
     if one.label != other.label or one.orbit is None or other.orbit is None:
         return one.label == other.label
     scale = np.abs(np.vstack([one.orbit.points, other.orbit.points])).max(axis=0)
     scale = np.where(one.orbit.turns > 0.0, one.orbit.turns, np.where(scale > 0.0, scale, 1.0))
-    off = without_turns(one.orbit.points[0] - other.orbit.points, one.orbit.turns) / scale
-    return bool(np.abs(off).max(axis=1).min() <= _APART)
+    seen = replace(seen, scale=scale, turns=one.orbit.turns)
+    off = seen.off(one.orbit.points[0], other.orbit.points)
+    if one.orbit.neutral:
+        off = neutral_directions(seen, one.orbit.points[0]).apart(off.T).T
+    return bool(np.abs(off).max(axis=1, initial=0.0).min() <= _APART)
 
 
 @final
@@ -161,22 +164,26 @@ class Asked:
         try:
             return self.of(self.seen.follow(y, self.transient + self.keep).states)
         except GrowthError as error:
-            return Regime("diverged", (f"the motion grows without bound until t = {error.time:.6g} s", str(error)))
+            return _diverged(error)
 
     def of(self, states: Array) -> Regime:
         """That of a motion that has passed these states at the section, shape (transient + keep, n). Raises GrowthError."""
-        if regime := _growth(states):
-            return regime
-        points, after = states[-self.keep :], len(states)
+        grown = _grown(self.seen, states, len(states))
+        if isinstance(grown, Regime):
+            return grown
+        states, after = grown
+        points, acts = states[-self.keep :], drives(self.seen, states[-1], self._farthest, after)
+        if acts.changing:
+            return Regime("unresolved", (acts.changing, "give a longer transient"))
         seen = sized(self.seen, points[-1], after)
-        points = seen.near(points)
+        seen, points = begun_at(seen, points[-1], after - after % max(1, acts.periods)), seen.near(points)
         neutral = neutral_directions(seen, points[-1])
-        drives = drive_periods(seen, points[-1], self._farthest, after)
-        return self._periodic(seen, points, neutral, drives, after) or self._other(seen, points, neutral, drives, after)
+        asked = seen, points, neutral, acts.periods, after
+        return self._periodic(*asked) or self._other(*asked)
 
     @property
     def _farthest(self) -> int:
-        return max(_BEYOND * self.longest, _DRIVES)
+        return max(_BEYOND * self.longest, DRIVES)
 
     def _periodic(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime | None:
         found = nearing(seen, points, neutral, drives, self.longest, after) if drives else None
@@ -192,12 +199,17 @@ class Asked:
     def _other(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime:
         """No stable orbit was found yet: what exponents say now, after ten times the transient, and once more after `lasting`
         periods, in which an irregular transient shows what it is."""
+        if not neutral.rest.shape[1]:
+            return Regime(
+                "unresolved", (f"all that the train does is neutral ({', '.join(neutral.words)})", "it goes on")
+            )
         first = last = told_exponents(seen, points[-1], neutral, after)
         for more in (max(_TENFOLD * self.transient, self.keep), self.lasting):
             run = seen.follow(last.states, more, after=last.passed)
-            if regime := _growth(np.vstack([points, run.states])):
-                return regime
-            points, after = seen.near(np.vstack([points, run.states])[-self.keep :]), last.passed + more
+            grown = _grown(seen, np.vstack([points, run.states]), last.passed + more)
+            if isinstance(grown, Regime):
+                return grown
+            points, after = seen.near(grown[0][-self.keep :]), grown[1]
             if regime := self._periodic(seen, points, neutral, drives, after):
                 before = (f"before, the largest exponent was {_told(first)}",) if _positive(first) else ()
                 return replace(regime, evidence=(*regime.evidence, *before))
@@ -250,17 +262,33 @@ class Asked:
         return found
 
 
-def _growth(states: Array) -> Regime | None:
-    """Diverged, where the last quarter of a run is many times as large as the half before."""
+def _grown(seen: Strobe, states: Array, passed: int) -> tuple[Array, int] | Regime:
+    """The states of a motion that grows no more, and the periods that have passed then: what leaves a rest that is unstable
+    grows as long as it is small. Diverged, where it grows on."""
+    begun = passed
+    for _ in range(_ROUNDS):
+        if not _grows(states):
+            return states, passed
+        try:
+            states = seen.follow(states[-1], len(states), after=passed).states
+        except GrowthError as error:
+            return _diverged(error)
+        passed += len(states)
+    words = f"states grow by more than {_GROWN:g} in every {len(states) // 4} periods from {begun} to {passed}"
+    return Regime("diverged", (words,))
+
+
+def _grows(states: Array) -> bool:
+    """Whether each of the last quarters of a run is many times as large as the one before."""
     part = len(states) // 4
     if part < 5:
-        return None
+        return False
     sizes = [np.abs(states[a : a + part]).max(axis=0) for a in (part, 2 * part, 3 * part)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        grows = (sizes[1] > _GROWN * sizes[0]) & (sizes[2] > _GROWN * sizes[1])
-    if not grows.any():
-        return None
-    return Regime("diverged", (f"states grow by more than {_GROWN:g} in every {part} periods",))
+    return bool(((sizes[1] > _GROWN * sizes[0]) & (sizes[2] > _GROWN * sizes[1])).any())
+
+
+def _diverged(error: GrowthError) -> Regime:
+    return Regime("diverged", (f"the motion grows without bound until t = {error.time:.6g} s", str(error)))
 
 
 def _same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:

@@ -14,7 +14,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.regimes.neutral import Neutral, scaled
+from gearblocks.analysis.regimes.neutral import Neutral, scaled, unclosed
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.strobe import Strobe
 
@@ -48,7 +48,9 @@ def misses(points: Array, seen: Strobe, neutral: Neutral, longest: int) -> Array
     late = points[len(points) // 2 :]
 
     def miss(m: int) -> float:
-        return float(np.abs(neutral.apart(seen.off(late[m:], late[:-m]).T)).max()) if m < len(late) else np.inf
+        if m >= len(late):
+            return np.inf
+        return float(np.abs(unclosed(seen, seen.off(late[m:], late[:-m]).T, neutral)).max(initial=0.0))
 
     return np.array([miss(m) for m in range(1, longest + 1)])
 
@@ -66,7 +68,7 @@ def nearing(seen: Strobe, points: Array, neutral: Neutral, base: int, longest: i
         phases = range(0, m, max(base, m // _PHASES // base * base)) if off[m - 1] <= _REPEATS else range(1)
         for phase in phases:
             start = points[-1 - back - phase] if back + phase < len(points) else y
-            orbit = shoot(seen, start, m, neutral)
+            orbit = shoot(seen, start, m, neutral, base)
             if orbit is None or not orbit.stable or abs(orbit.multipliers[:1]).max(initial=0.0) > 1.0 - _MARGINAL:
                 continue
             found = _nears(seen, y, orbit, neutral)

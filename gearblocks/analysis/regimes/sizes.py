@@ -11,8 +11,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.regimes.drives import DRIVES, Drives, begun_at, drives
 from gearblocks.analysis.regimes.strobe import Strobe
 from gearblocks.analysis.regimes.whole_turns import turns_of
+from gearblocks.errors import SimulationError
 
 Array = NDArray[np.float64]
 
@@ -40,7 +42,7 @@ def sized(seen: Strobe, y: Array, after: int) -> Strobe:
     turns = turns_of(seen, *states)
     size = np.abs(states.y).max(axis=0)
     size = np.where(turns > 0.0, np.minimum(size, turns), size)
-    jacobians = _jacobians(seen, states.y, size)
+    jacobians = _jacobians(seen, states, size)
     rates = np.array([np.linalg.eigvals(j) for j in jacobians])
     fastest, fading = float(np.abs(rates).max(initial=0.0)), float(-rates.real.min(initial=0.0))
     driven = np.max([_driven(j, size, seen.period) for j in jacobians], axis=0)
@@ -59,34 +61,49 @@ def _along(seen: Strobe, y: Array, after: int) -> _Along:
     return _Along(states, seen.period * (after + np.arange(len(states)) / _PARTS))
 
 
-def settled(seen: Strobe, initial: Any, transient: int) -> tuple[Strobe, Array]:
-    """The same, sized by the motion after so many periods, and its states there."""
-    y = seen.start(initial)
+class Settled(NamedTuple):
+    """A sized model; states after so many periods, after a whole number of those of the drives; what acts there."""
+
+    seen: Strobe
+    y: Array
+    passed: int
+    drives: Drives
+
+
+def settled(seen: Strobe, initial: Any, transient: int) -> Settled:
+    """The same, sized by the motion after so many periods or a few more, and its states there."""
+    y, passed = seen.start(initial), transient
     if transient:
         y = seen.follow(y, transient).states[-1]
-    seen = sized(seen, y, transient)
-    return seen, seen.near(y)
+    acts = drives(seen, y, DRIVES, passed)
+    if acts.periods and (more := -passed % acts.periods):
+        y, passed = seen.follow(y, more, after=passed).states[-1], passed + more
+    seen = begun_at(sized(seen, y, passed), y, passed)
+    return Settled(seen, seen.near(y), passed, acts)
 
 
-def _jacobians(seen: Strobe, states: Array, size: Array) -> list[Array]:
-    """Rates by the states [1/s], at points along a period."""
+def _jacobians(seen: Strobe, along: _Along, size: Array) -> list[Array]:
+    """Rates by the states [1/s], at points along a motion."""
     units = [q.unit for q in seen.model.program.states]
     alike = np.array([max(s for s, unit in zip(size, units, strict=True) if unit == own) for own in units])
     beside = _BESIDE * np.maximum(size, np.where(alike > 0.0, _UNSEEN * alike, 1.0))
     found = []
     full = np.zeros(seen.model.program.n_total)
-    for i, y in enumerate(states[:: len(states) // _LOOKS]):
-        t = i * (len(states) // _LOOKS) / _PARTS * seen.period
+    some = slice(None, None, len(along.y) // _LOOKS)
+    for t, y in zip(along.times[some].tolist(), along.y[some], strict=True):
         full[: seen.n] = y
-        with seen.opened(y) as sim:
-            columns = []
-            for j in range(seen.n):
-                step = np.zeros_like(full)
-                step[j] = beside[j]
-                ends = [sim.probe(t, full + sign * step, None, "rates")[: seen.n] for sign in (1, -1)]
-                columns.append((ends[0] - ends[1]) / (2 * step[j]))
+        columns = []
+        try:
+            with seen.opened(y, t) as sim:
+                for j in range(seen.n):
+                    step = np.zeros_like(full)
+                    step[j] = beside[j]
+                    ends = [sim.probe(t, full + sign * step, None, "rates")[: seen.n] for sign in (1, -1)]
+                    columns.append((ends[0] - ends[1]) / (2 * step[j]))
+        except SimulationError:  # it lies on a stop that moves, beyond it by rounding
+            continue
         found.append(np.array(columns).reshape(seen.n, seen.n).T)
-    return found
+    return found or [np.zeros((seen.n, seen.n))]
 
 
 def _driven(jacobian: Array, size: Array, period: float) -> Array:

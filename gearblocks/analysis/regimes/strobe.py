@@ -77,7 +77,8 @@ class Change:
 class Strobe:
     """A model at values of its parameters. period [s]; scale: sizes of the n states, in which distances are told; max_step [s]:
     the longest step in which derivatives are told, too; fading: the fastest rate at which motions beside fade [1/s]; turns: by
-    how much each state may be turned so that nothing changes [rad], 0 where there is no such angle, shape (n,)."""
+    how much each state may be turned so that nothing changes [rad], 0 where there is no such angle, shape (n,); begun: periods
+    that have passed where nothing else is said: more than none where something acts on the train that ends before (a ramp)."""
 
     model: Model
     parameters: Array
@@ -87,6 +88,7 @@ class Strobe:
     turns: Array
     max_step: float = np.inf
     fading: float = 0.0
+    begun: int = 0
 
     @property
     def n(self) -> int:
@@ -121,13 +123,14 @@ class Strobe:
             return sim.state()[: self.n]
 
     def follow(
-        self, y: Array, periods: int, columns: Array | None = None, *, after: int = 0, maps: bool = False,
+        self, y: Array, periods: int, columns: Array | None = None, *, after: int | None = None, maps: bool = False,
         fixed: Array | None = None, parts: int = 1, by: Change | None = None,
     ) -> Followed:  # fmt: skip
         """A run from the states y over so many periods; columns: of derivatives beside it, shape (n, m), which with fixed
         directions, shape (n, p), are made orthonormal to these and each other after each period; after: periods that have
-        passed before; parts: of each period, after which what is found is kept; by: a parameter, with the period of the section
-        following it (not with `after`). Raises SimulationError."""
+        passed before (default: `begun`); parts: of each period, after which what is found is kept; by: a parameter, with the
+        period of the section following it (not with `after`). Raises SimulationError."""
+        after = self.begun if after is None else after
         if not self.turns.any() or by is not None:
             return self._follow(y, periods, columns, after, maps, fixed, parts, by)
         found: list[Followed] = []  # begun again near 0 now and then: a run is told to a part of its largest angle
@@ -181,7 +184,7 @@ class Strobe:
                 states, tangents.maps[:, :, :given], tangents.logs, corner, sim.counters.events, at_end, slope
             )
 
-    def map(self, y: Array, periods: int, *, after: int = 0, by: Change | None = None) -> Followed:
+    def map(self, y: Array, periods: int, *, after: int | None = None, by: Change | None = None) -> Followed:
         """The same with all derivatives by the states."""
         return self.follow(y, periods, np.eye(self.n), after=after, maps=True, by=by)
 
@@ -190,7 +193,7 @@ class Strobe:
         (parts * periods, n, n): M of the whole is their product. Raises SimulationError."""
         program, none, found = self.model.program, np.empty((self.n, 0)), []
         with self.told_finely.opened(y) as sim:
-            for t in self.period * np.arange(1, self.parts * periods + 1) / self.parts:
+            for t in self.period * (self.begun + np.arange(1, self.parts * periods + 1) / self.parts):
                 tangents = Tangents(sim, program.n_total, np.diag(self.scale), self.scale, none)
                 tangents.begin(np.array([t]), maps=True)
                 while (code := tangents.run()) != Code.DONE:
@@ -228,7 +231,7 @@ class Strobe:
             tied = [i for i, one in enumerate(known.constraints) if one.kind is ConstraintKind.TIE]
             rows = np.zeros((len(tied), self.n))
             if tied:
-                rows[:, self.n - known.n_speeds :] = sim.constraints_at(0.0, full, None).rows[tied]
+                rows[:, self.n - known.n_speeds :] = sim.constraints_at(self.period * self.begun, full, None).rows[tied]
         return rows
 
     def moved(self, y: Array, step: Array) -> Array:
@@ -248,19 +251,19 @@ class Strobe:
         return float(np.abs(self.off(y, other)).max())
 
     @contextmanager
-    def opened(self, y: Array, t: float = 0.0) -> Iterator[Simulation]:
-        """A simulation that stands at the states y, at t."""
+    def opened(self, y: Array, t: float | None = None) -> Iterator[Simulation]:
+        """A simulation that stands at the states y, at t (by default as `begun`)."""
         full = np.zeros(self.model.program.n_total)
         full[: self.n] = y
         with self.model.library.reopen() as sim:
             self._set(sim)
-            self._begin(sim, t, full)
+            self._begin(sim, self.period * self.begun if t is None else t, full)
             yield sim
 
-    def standing(self, y: Array, after: int = 0) -> FinalState:
-        """What a run that begins in the states y, after so many periods, begins with. One that cannot begin there says why
-        when it is asked for."""
-        t, full = after * self.period, np.zeros(self.model.program.n_total)
+    def standing(self, y: Array, later: int = 0) -> FinalState:
+        """What a run that begins in the states y, so many periods later than `begun`, begins with. One that cannot begin there
+        says why when it is asked for."""
+        t, full = (self.begun + later) * self.period, np.zeros(self.model.program.n_total)
         full[: self.n] = y
         modes = np.zeros(len(self.model.program.switches))
         with self.model.library.reopen() as sim:

@@ -20,6 +20,7 @@ _MOVES = 0.5  # rad: an angle that stays below, and comes back, goes round nowhe
 _DRIFTS = 0.01  # rad in the periods that are looked at
 _MOST = 200  # turns, and parts of a turn (teeth), that are tried
 _AHEAD = (1, -3, 1000)  # times that it is turned
+_ASIDE = 0.61  # rad, beside the motion: where nothing is as it by chance
 _ANY = 1.2345  # rad: a train that is as it was after that reads no angle
 _FAR = 100.0  # times the rates: what pulls back so much over a thousand turns is no law of where in a turn it is
 _LOOKS = 5
@@ -42,23 +43,29 @@ def turns_of(seen: Strobe, states: Array, times: Array) -> Array:
 
 def _turn(seen: Strobe, j: int, states: Array, times: Array) -> float:
     here = [_rates(seen, t, y) for t, y in zip(times, states, strict=True)]
-    size = np.abs(np.array([rates for rates in here if rates is not None])).max(axis=0, initial=1e-300)
-
-    allowed = np.maximum(_ALIKE * size, _FLOOR * size.max())
+    if any(rates is None for rates in here):
+        return 0.0
+    size = np.abs(np.array(here)).max(axis=0, initial=1e-300)
+    # a motion in step is always at one place of its law, where another one may be as it by chance
+    aside = states + np.outer(_ASIDE * np.arange(1, len(states) + 1), np.arange(seen.n) == j)
+    here += [_rates(seen, t, y) for t, y in zip(times, aside, strict=True)]
+    looks = zip(np.tile(times, 2), np.vstack([states, aside]), here, strict=True)
+    known = [(t, y, rates) for t, y, rates in looks if rates is not None]
 
     def same(turn: float) -> bool:
         step = np.zeros(seen.n)
         step[j] = turn
-        for t, y, rates in zip(times, states, here, strict=True):
+        for t, y, rates in known:
+            allowed = np.maximum(_ALIKE * size, _FLOOR * max(float(np.abs(rates).max()), float(size.max())))
             for times_turned in _AHEAD:
                 there = _rates(seen, t, y + times_turned * step)
-                if rates is None or there is None or (np.abs(there - rates) > allowed).any():
+                if there is None or (np.abs(there - rates) > allowed).any():
                     return False
         return True
 
     whole = 2 * np.pi
     far = _rates(seen, times[0], states[0] + _AHEAD[-1] * whole * (np.arange(seen.n) == j))
-    if here[0] is None or far is None or np.abs(far - here[0]).max() > _FAR * size.max():
+    if far is None or np.abs(far - known[0][2]).max() > _FAR * size.max():
         return 0.0
     turns = next((n for n in range(1, _MOST + 1) if same(n * whole)), 0)
     if not turns or same(_ANY):

@@ -6,10 +6,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 import gearblocks as gb
-from gearblocks.analysis.regimes.neutral import neutral_directions
+from gearblocks.analysis.regimes import regime
+from gearblocks.analysis.regimes.exponents import LyapunovExponents
+from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import shoot
 from gearblocks.analysis.regimes.sizes import settled
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
@@ -51,7 +54,7 @@ def test_a_torus_next_to_a_resonance_is_one_though_it_nearly_repeats(oscillator:
 def test_shooting_gives_up_where_it_comes_no_nearer(oscillator: Oscillator, monkeypatch: pytest.MonkeyPatch) -> None:
     # an oscillation of its own beside the drive: a torus, on which nothing repeats after 21 periods
     rig = oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + (0.2 - 0.2 * x**2) * v, k=2.2, c=0.0, phi0=2.0)
-    seen, y = settled(strobe(gb.build(rig), SECTION, None, None, 1e-9), None, 300)
+    seen, y, *_ = settled(strobe(gb.build(rig), SECTION, None, None, 1e-9), None, 300)
     neutral, maps, own = neutral_directions(seen, y), [], Strobe.map
 
     def counted(self: Strobe, y: Any, periods: int, **options: Any) -> Any:
@@ -61,3 +64,19 @@ def test_shooting_gives_up_where_it_comes_no_nearer(oscillator: Oscillator, monk
     monkeypatch.setattr(Strobe, "map", counted)
     assert shoot(seen, y, 21, neutral) is None
     assert len(maps) <= 12  # six steps that bring nothing, and some before them
+
+
+def test_a_motion_that_fades_within_the_error_of_its_exponent_is_periodic(
+    oscillator: Oscillator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Ueda's oscillator at period 12, where periods up to 8 are looked for unless the motion is known to be periodic; growth
+    # that scatters by 1 a period hides its exponent of -0.01, and fades by e^5 in the later half: beside a torus it is bounded
+    def hidden(seen: Strobe, y: Any, neutral: Neutral, after: int) -> LyapunovExponents:
+        logs = np.random.default_rng(1).standard_normal((1000, 1))
+        logs -= logs.reshape(2, 500, 1).mean(axis=1).repeat(500, axis=0) + 0.01
+        return LyapunovExponents(logs, seen.period, (), "", y, after)
+
+    monkeypatch.setattr(regime, "told_exponents", hidden)
+    rig = oscillator(lambda drive, x, v: 5.318 * gb.cos(drive * gb.time) - x**3, k=1e-12)
+    found = gb.classify(rig, SECTION, longest=1)
+    assert found.label == "period 12", found.evidence
