@@ -3,8 +3,6 @@
 #ifndef GB_COUPLED_BOUNDS_H
 #define GB_COUPLED_BOUNDS_H
 
-#include <stddef.h>
-
 /* Bounds that grow with another unknown: lo[i] x_p is added to the lower one, hi[i] x_p to the upper one, p = on[i]
  * (-1: they do not). NULL: none does. associated: at such a bound y_i pushes x_p too, by the slope of it, and x_p may
  * have bounds of its own. */

@@ -5,7 +5,7 @@
  * none (friction in proportion to a force); A with such columns may have no solution, or several. Associated: y is the
  * gradient of x'A x/2 + b'x, least within these bounds, so that y = 0 where any x within them has it. Method: block
  * principal pivoting with a least index rule as a way out of cycles (Judice and Pires 1994); for a singular A proximal
- * steps,  (A + e I) x+ + b - e x  in place of  A x + b  (Rockafellar 1976); where neither finds one, all sides. A in
+ * steps,  (A + e D) x+ + b - e D x  in place of  A x + b  (Rockafellar 1976); where neither finds one, all sides. A in
  * either form of gb_delassus.h; of its unknowns those take part that are marked, the others are 0. Knows nothing of
  * slips, modes or time. */
 #ifndef GB_LCP_H
@@ -213,8 +213,8 @@ static inline int gb_lcp_try_all(const gb_lcp *lcp, double lift, const double *b
     return 0;
 }
 
-/* Block principal pivoting for A + lift I. All that are misplaced change at once, after ten rounds without fewer of
- * them the last one alone (a least index rule, counted from behind). 0: not found. */
+/* Block principal pivoting for A + lift diag(weight). All that are misplaced change at once, after ten rounds without
+ * fewer of them the last one alone (a least index rule, counted from behind). 0: not found. */
 static inline int gb_lcp_pivoting(const gb_lcp *lcp, double lift, const double *b, const double *lo, const double *hi,
                                   double *x) {
     const int n = lcp->A.n;
