@@ -235,15 +235,21 @@ def picture(path: str | Path, delta: float = math.radians(60)) -> None:
         angle, torque = np.degrees(begin + SPEED * run.t), engaged_torque(run)
         left.plot(angle, torque, linewidth=0.9)
         left.set_title(f"{strategy}: {torque.max():.3f} N m at most", fontsize=8, loc="left")
-        right.plot(angle, run["output.w"], linewidth=0.9, color="#D55E00")
+        right.plot(angle, run["output.w"], linewidth=0.9, color="#D55E00", label="speed")
         left.set_xlim(360, 720)
-        right.axhline(SPEED * i_out(delta), color="0.6", linewidth=0.7)
+        right.axhline(SPEED * i_out(delta), color="0.6", linewidth=0.7, label="even speed, k delta of the input's")
         for j in range(2 * BRANCHES + 1):
             end = np.degrees(_window(j, delta)[1])
             for axis in (left, right):
-                axis.axvspan(end - np.degrees(_window(0, delta)[2]), end, color="0.92", linewidth=0)
-    axes[0][1].set_title("speed of the output in rad/s; grey: both windows open", fontsize=8, loc="left")
+                axis.axvspan(
+                    end - np.degrees(_window(0, delta)[2]), end, color="0.92", linewidth=0, label="both windows open"
+                )
     for axis in axes[-1]:
         axis.set_xlabel("angle of the input in deg")
-    axes[len(STRATEGIES) // 2][0].set_ylabel("torque of the engaged shafts in N m")
+    for column, words in enumerate(("torque of the engaged shafts in N m", "speed of the output in rad/s")):
+        axes[len(STRATEGIES) // 2][column].set_ylabel(words)
+    listed = {words: handle for row in axes for handle, words in zip(*row[1].get_legend_handles_labels(), strict=True)}
+    figure.legend(
+        [*listed.values()], [*listed], loc="outside upper right", ncols=len(listed), fontsize=8, frameon=False
+    )
     figure.savefig(path, dpi=130)

@@ -20,7 +20,7 @@ from gearblocks.plurals import singular
 from gearblocks.running import build
 from gearblocks.simulation.arguments import resolve
 from gearblocks.simulation.plausibility import warn_of_parameters
-from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+from gearblocks.simulation.plotting import COLOURS, DASHES, finished, legend, new_figure, style
 from gearblocks.solver.kinematics import kinematics
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point
@@ -258,7 +258,8 @@ def campbell_picture(diagram: Campbell, path: Any) -> Figure:
             )
         for number, (name, order) in enumerate(diagram.orders.items()):
             colour = COLOURS[number % 6]
-            axis.plot(rpm, order * rpm / 60, color=colour, linestyle="--", label=f"{name} ({order:.4g})")
+            dashes = DASHES[1 + number // 6 % (len(DASHES) - 1)]
+            axis.plot(rpm, order * rpm / 60, color=colour, linestyle=dashes, label=f"{name} ({order:.4g})")
             mine = [c for c in diagram.crossings if c.order == name]
             axis.plot(
                 [c.speed * 30 / np.pi for c in mine], [c.frequency / (2 * np.pi) for c in mine], "o", color=colour,
@@ -269,5 +270,5 @@ def campbell_picture(diagram: Campbell, path: Any) -> Figure:
         axis.set_xlabel("speed in rpm")
         axis.set_ylabel("frequency in Hz")
         axis.set_title(f"Campbell diagram of {diagram.name}")
-        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        legend(axis, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         return finished(figure, path)

@@ -34,7 +34,7 @@ from gearblocks.simulation.arguments import (
     resolve,
 )  # fmt: skip
 from gearblocks.simulation.plausibility import warn_of_parameters
-from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
+from gearblocks.simulation.plotting import COLOURS, DASHES, finished, legend, new_figure, style
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point, derivative, restarted, state_matrix, steps_of
 from gearblocks.solver.sparse_maps import Indices
@@ -359,12 +359,13 @@ def bode(response: FrequencyResponse, path: Any) -> Figure:
         figure, (upper, lower) = new_figure(path, rows=2, size=(7.2, 4.8))
         for i, name in enumerate(response.outputs):
             value = response.values[:, i]
-            upper.loglog(hertz, np.abs(value), color=COLOURS[i % 8], label=name)
-            lower.semilogx(hertz, np.rad2deg(np.unwrap(np.angle(value))), color=COLOURS[i % 8])
+            look: dict[str, Any] = {"color": COLOURS[i % 8], "linestyle": DASHES[i // 8 % len(DASHES)], "label": name}
+            upper.loglog(hertz, np.abs(value), **look)
+            lower.semilogx(hertz, np.rad2deg(np.unwrap(np.angle(value))), **look)
         units = set(response.units)
         upper.set_ylabel("magnitude" + (f" in {units.pop()}\nper unit of the input" if len(units) == 1 else ""))
         lower.set_ylabel("phase in degrees")
         lower.set_xlabel("frequency in Hz")
         upper.set_title(f"{response.name}: response to {response.input}")
-        upper.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        legend(upper, lower, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         return finished(figure, path)

@@ -44,6 +44,7 @@ def draw_pitch_curves(
             axis.set_title(f"gear 1 at {math.degrees(phi):.4g} deg, gear 2 at {math.degrees(pair.law.F(phi)):.4g} deg")
             axis.set_xlabel("x in mm")
         axes[0].set_ylabel("y in mm")
+        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower left", ncols=3)
         return finished(figure, path)
 
 
@@ -54,7 +55,7 @@ def _position(axis: Any, pair: PitchPair, phi: float, flanks: tuple[Flanks | Non
         )
         colour = COLOURS[gear - 1]
         x, y = pair.placed(phi, gear, *pair.points(turn, gear))
-        axis.plot(1e3 * x, 1e3 * y, color=colour, linewidth=1.0)
+        axis.plot(1e3 * x, 1e3 * y, color=colour, linewidth=1.0, label=f"gear {gear}")
         teeth = flanks[gear - 1]
         if teeth is not None:
             x, y = pair.placed(phi, gear, teeth.x, teeth.y)
@@ -62,6 +63,8 @@ def _position(axis: Any, pair: PitchPair, phi: float, flanks: tuple[Flanks | Non
         centre, mark = ((pair.distance * (gear - 1), 0.0), pair.placed(phi, gear, *pair.points(0.0, gear)))
         axis.plot(*(1e3 * np.array([centre[i], float(mark[i])]) for i in (0, 1)), color=colour, linewidth=0.6)
         axis.plot(1e3 * centre[0], 0.0, "+", color=colour, markersize=5)
-    axis.plot(1e3 * float(pair.radii(phi)[0]), 0.0, ".", color="black", markersize=4)
+    axis.plot(
+        1e3 * float(pair.radii(phi)[0]), 0.0, ".", color="black", markersize=4, linestyle="none", label="pitch point"
+    )
     axis.set_aspect("equal")
     axis.grid(visible=False)

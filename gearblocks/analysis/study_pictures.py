@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError
-from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, prefixed, style
+from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, legend, new_figure, prefixed, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -84,8 +84,8 @@ def _design(study: Study, names: Sequence[str], path: str | os.PathLike[str] | N
             row, column = divmod(number, columns)
             _line(axis, study, names[row], column)
             if column:
-                if (legend := axis.get_legend()) is not None:
-                    legend.remove()
+                if (listed := axis.get_legend()) is not None:
+                    listed.remove()
                 axis.set_ylabel("")
                 axis.tick_params(labelleft=False)
             axis.tick_params(labelbottom=row == rows - 1)
@@ -122,7 +122,7 @@ def _line(axis: Axes, study: Study, name: str, over: int) -> None:
         low = axis.get_ylim()[0]
         label = _missing_words(study, missing)
         axis.plot(x[missing], np.full(int(missing.sum()), low), "x", color=COLOURS[1], label=label, clip_on=False)
-        axis.legend()
+        legend(axis)
     axis.set_ylabel(_label(name, unit))
 
 
@@ -154,7 +154,7 @@ def _colours(figure: Figure, axis: Axes, study: Study, name: str) -> None:
     if lost.any():
         rows, columns = np.nonzero(lost[np.ix_(*orders)].T)
         axis.plot(x[columns], y[rows], "x", color=COLOURS[1], label=_missing_words(study, lost.ravel()))
-        axis.legend()
+        legend(axis)
     axis.grid(visible=False)
     for ticks, row, places in ((axis.set_xticks, levels[0], x), (axis.set_yticks, levels[1], y)):
         if len(row) <= _TICKED or places is not row:

@@ -65,6 +65,8 @@ _KINDS = {
 }
 _MOST_SAMPLES = 200_000
 _MOST_EVENTS = 300
+_NOTHING = ("None", "none", " ", "", None)  # as a marker or a line
+_EDGE = 1.0  # pixels beyond the axes, where a marker still shows
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +109,7 @@ def over_time(
                 axis.locator_params(axis="y", integer=True)
             axis.set_ylabel(_axis_words(group, unit))
             if len(curves) > 1 or len(curves) < len(group):
-                axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+                legend(axis, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         axes[-1].set_xlabel(f"time in {clock_unit}")
         if title:
             figure.suptitle(title, x=0.01, ha="left", fontsize=10)
@@ -272,6 +274,38 @@ def new_figure(
         figure = PlainFigure(figsize=size, layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False, sharex=columns == 1 and rows > 1)
     return figure, list(axes.flat)
+
+
+def legend(axis: Axes, *beside: Axes, **options: Any) -> None:
+    """A legend of what is seen in the axes or those beside: a curve without a value there, or beyond the limits, is not listed.
+
+    To be called when everything is drawn.
+    """
+    seen: dict[str, Any] = {}
+    for one in (axis, *beside):
+        for handle, words in zip(*one.get_legend_handles_labels(), strict=True):
+            if words not in seen and _is_seen(one, handle):
+                seen[words] = handle
+    if seen:
+        axis.legend([*seen.values()], [*seen], **options)
+
+
+def _is_seen(axis: Axes, artist: Any) -> bool:
+    """Whether a point, a segment or an area of an artist lies within the axes. A point alone is nothing without a marker."""
+    axis.get_xlim(), axis.get_ylim()  # which set what follows from the data
+    if not hasattr(artist, "get_xydata"):
+        area = artist.get_path().transformed(artist.get_transform()).get_extents()
+        return _meets(axis, area.min[None], area.max[None])
+    xy = artist.get_transform().transform(np.ma.filled(np.ma.asarray(artist.get_xydata(), dtype=float), np.nan))
+    marked, joined = artist.get_marker() not in _NOTHING, artist.get_linestyle() not in _NOTHING
+    return (marked and _meets(axis, xy, xy)) or (joined and _meets(axis, xy[:-1], xy[1:]))
+
+
+def _meets(axis: Axes, a: Array, b: Array) -> bool:
+    """Whether a rectangle with these corners, shape (k, 2), in pixels, lies in the axes in part."""
+    low, high = np.asarray(axis.bbox.get_points())
+    inside = (np.maximum(a, b) >= low - _EDGE) & (np.minimum(a, b) <= high + _EDGE)
+    return bool((inside & np.isfinite(a + b)).all(axis=1).any())
 
 
 def finished(figure: Figure, path: str | os.PathLike[str] | None) -> Figure:

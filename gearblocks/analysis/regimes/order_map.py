@@ -31,6 +31,7 @@ _WEIGHTS = np.array([5.0, 8.0, 5.0]) / 18
 _FINE = 16  # intervals of a revolution, over which the speed is integrated; more for orders above 8
 _MOST = 1 << 20  # intervals
 _STEPS = 6  # of Newton's method, from times to angles
+_RISE = 2.0  # of the least between two orders
 _SIDE, _POWER = 2, 1.5  # lines beside one that belong to it under Hann's window, and their power
 
 
@@ -61,14 +62,15 @@ class OrderMap:
         return found
 
     def largest(self, count: int) -> list[float]:
-        """Orders that reach the largest amplitudes, apart from the mean, the largest first."""
+        """Orders that reach the largest amplitudes, apart from the mean, the largest first. What only falls away beside one,
+        while its amplitude or the speed changes within a part, is none."""
         peaks = self.amplitude.max(axis=0)
         peaks[: 2 * _SIDE + 1] = 0.0
-        found: list[float] = []
-        while len(found) < count and peaks.max(initial=0.0) > 0.0:
-            place = int(np.argmax(peaks))
+        left, found = peaks.copy(), list[float]()
+        while len(found) < count and left.max(initial=0.0) > 0.0:
+            place = int(np.argmax(left))
             found.append(float(self.order[place]))
-            peaks[max(place - 2 * _SIDE, 0) : place + 2 * _SIDE + 1] = 0.0
+            left[place - _falls(peaks[place::-1]) + 1 : place + _falls(peaks[place:])] = 0.0
         return found
 
     def __repr__(self) -> str:
@@ -93,6 +95,14 @@ class OrderMap:
         }
         coords = {"speed": ("speed", self.speed, {"units": self.speed_unit}), "order": self.order}
         return xarray.Dataset(data, coords, attrs={"of": self.of, "revolutions": self.revolutions})
+
+
+def _falls(peaks: Array) -> int:
+    """How many of these fall away from the first one: the lines that two orders must be apart, and those behind until they have
+    risen again from the least by more than ripples do."""
+    behind = peaks[_SIDE:]
+    rises = np.flatnonzero(behind > _RISE * np.minimum.accumulate(behind))
+    return max(2 * _SIDE + 1, _SIDE + int(rises[0])) if len(rises) else len(peaks)
 
 
 @by_name_only

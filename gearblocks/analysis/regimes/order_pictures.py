@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.pictures import label
-from gearblocks.simulation.plotting import COLOURS, finished, new_figure, prefixed, style
+from gearblocks.simulation.plotting import COLOURS, finished, legend, new_figure, prefixed, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
-_SMALL = 1e-3  # of the largest line: what is drawn
+_SMALL = 1e-3  # of the largest amplitude, where colours begin
+_SEEN = 1e-2  # of the largest line or track: what is drawn, two pixels high
 _TRACKS = 4
 
 
@@ -56,7 +57,7 @@ class Orders(Protocol):
 
 def draw_lines(found: Lines, path: str | os.PathLike[str] | None) -> Figure:
     """A line for each order but the mean, up to where all are small."""
-    large = np.flatnonzero(found.amplitude[1:] > _SMALL * found.amplitude[1:].max(initial=0.0))
+    large = np.flatnonzero(found.amplitude[1:] > _SEEN * found.amplitude[1:].max(initial=0.0))
     shown = slice(1, 2 + int(large[-1]) if len(large) else None)
     factor, unit = prefixed([found.amplitude[shown]], found.unit)
     with style():
@@ -69,7 +70,7 @@ def draw_lines(found: Lines, path: str | os.PathLike[str] | None) -> Figure:
 
 
 def draw_orders(found: Orders, path: str | os.PathLike[str] | None) -> Figure:
-    """Waterfall: amplitudes over order and speed in colours; and the largest orders as curves over the speed."""
+    """Waterfall: amplitudes over order and speed in colours; and the largest orders that are seen as curves over the speed."""
     factor, unit = prefixed([found.amplitude], found.unit)
     from matplotlib.colors import LogNorm
 
@@ -85,9 +86,12 @@ def draw_orders(found: Orders, path: str | os.PathLike[str] | None) -> Figure:
         left.grid(visible=False)
         left.set_xlabel("order")
         left.set_ylabel(label(found.speed_name, found.speed_unit))
-        for i, order in enumerate(found.largest(_TRACKS)):
-            right.plot(found.speed, found.track(order) * factor, color=COLOURS[i], label=f"order {order:.4g}")
+        tracks = {order: found.track(order) * factor for order in found.largest(_TRACKS)}
+        least = _SEEN * max((float(track.max()) for track in tracks.values()), default=0.0)
+        for colour, (order, track) in zip(COLOURS, tracks.items(), strict=False):
+            if track.max() > least:
+                right.plot(found.speed, track, color=colour, label=f"order {order:.4g}")
         right.set_xlabel(label(found.speed_name, found.speed_unit))
         right.set_ylabel(label(found.of, unit))
-        right.legend()
+        legend(right)
         return finished(figure, path)

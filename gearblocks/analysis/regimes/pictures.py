@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, new_figure, prefixed, style
+from gearblocks.simulation.plotting import COLOURS, NO_UNIT, finished, legend, new_figure, prefixed, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,7 +60,7 @@ def draw_bifurcation(found: Diagram, path: str | os.PathLike[str] | None) -> Fig
         axis.set_xlabel(label(found.path, found.unit))
         axis.set_ylabel(label(found.of, unit))
         if len(found.directions) > 1:
-            axis.legend(markerscale=6)
+            legend(axis, markerscale=6)
         return finished(figure, path)
 
 
@@ -76,15 +76,20 @@ class History(Protocol):
 
 
 def draw_history(found: History, path: str | os.PathLike[str] | None) -> Figure:
-    """A line for each exponent, and its value with three standard errors as a band."""
+    """A line for each exponent, and its value with three standard errors as a band and in words."""
     history = found.history
     with style():
-        figure, (axis,) = new_figure(path, size=(6.4, 4.0))
+        figure, (axis,) = new_figure(path, size=(7.4, 4.0))
         for j in range(min(history.shape[1], _DRAWN)):
             colour, value, error = COLOURS[j % len(COLOURS)], float(found.values[j]), 3 * float(found.errors[j])
-            axis.semilogx(np.arange(1, len(history) + 1), history[:, j], color=colour)
+            words = f"{value:.4g} \N{PLUS-MINUS SIGN} {error:.2g}"
+            axis.semilogx(np.arange(1, len(history) + 1), history[:, j], color=colour, label=words)
             axis.axhspan(value - error, value + error, color=colour, alpha=0.2, linewidth=0)
         axis.axhline(0.0, color="0.5", linewidth=0.8)
         axis.set_xlabel("periods of the section")
         axis.set_ylabel("Lyapunov exponents in 1/s")
+        title = "in 1/s, \N{PLUS-MINUS SIGN} 3 errors"
+        if history.shape[1] > _DRAWN:
+            title = f"first {_DRAWN} of {history.shape[1]},\n{title}"
+        legend(axis, title=title, title_fontsize=8, alignment="left", loc="upper left", bbox_to_anchor=(1.0, 1.0))
         return finished(figure, path)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.carried import Jump
 from gearblocks.analysis.regimes.pictures import OverParameter, label
-from gearblocks.simulation.plotting import COLOURS, MARKERS, finished, new_figure, prefixed, style
+from gearblocks.simulation.plotting import COLOURS, MARKERS, finished, legend, new_figure, prefixed, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,11 +38,15 @@ def draw_sweep(found: Sweep, path: str | os.PathLike[str] | None) -> Figure:
             factor, unit = prefixed([values], found.of_unit)
             for i, way in ((1, "down"), (0, "up")):
                 axis.plot(found.values, values[i] * factor, ".-", markersize=4 + 4 * i, color=COLOURS[i], label=way)
-            for jump in found.jumps:
+            for i, jump in enumerate(found.jumps):
                 colour = COLOURS[jump.direction == "down"]
-                axis.axvspan(jump.last, jump.first, color=colour, alpha=0.4, linewidth=1.2, zorder=0)
+                first = jump.direction not in {other.direction for other in found.jumps[:i]}
+                axis.axvspan(
+                    jump.last, jump.first, color=colour, alpha=0.4, linewidth=1.2, zorder=0,
+                    label=f"jump on the way {jump.direction}" if first else None,
+                )  # fmt: skip
             axis.set_ylabel(label(words, unit))
-        axes[0].legend()
+        legend(axes[0])
         axes[0].set_title(found.of)
         axes[1].set_xlabel(label(found.path, found.unit))
         return finished(figure, path)
@@ -78,10 +82,14 @@ def draw_branch(found: Branch, path: str | os.PathLike[str] | None) -> Figure:
         rms, stable = found.rms * factor, found.stable
         for kept, dashes, words in ((stable, "-", "stable"), (~stable, "--", "unstable")):
             joined = kept.copy()
-            if words == "unstable":  # drawn up to the stable orbits beside
+            if words == "unstable":  # drawn up to the stable orbits beside; an orbit between these is a dot
                 joined[1:] |= kept[:-1]
                 joined[:-1] |= kept[1:]
-            axis.plot(found.values, np.where(joined, rms, np.nan), dashes, color=COLOURS[0], label=words)
+            alone = joined & ~np.append(joined[1:], False) & ~np.append(False, joined[:-1])
+            axis.plot(
+                found.values, np.where(joined, rms, np.nan), dashes, color=COLOURS[0], marker="." if alone.any() else "",
+                markevery=np.flatnonzero(alone).tolist(), label=words,
+            )  # fmt: skip
         kinds = dict.fromkeys(mark.kind for mark in found.marks)
         for i, kind in enumerate(kinds):
             values = [mark.value for mark in found.marks if mark.kind == kind]
@@ -89,5 +97,5 @@ def draw_branch(found: Branch, path: str | os.PathLike[str] | None) -> Figure:
             axis.plot(values, heights, MARKERS[i], color=COLOURS[1 + i], markersize=6, linestyle="none", label=kind)
         axis.set_xlabel(label(found.path, found.unit))
         axis.set_ylabel(label(f"rms of {found.of}", unit))
-        axis.legend()
+        legend(axis)
         return finished(figure, path)

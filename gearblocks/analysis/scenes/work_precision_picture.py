@@ -12,7 +12,7 @@ from gearblocks.analysis.scenes.reference import Reference
 from gearblocks.analysis.scenes.scene import Scene
 from gearblocks.analysis.scenes.work_precision_points import Point
 from gearblocks.errors import ParameterError
-from gearblocks.simulation.plotting import COLOURS, MARKERS, finished, new_figure, style
+from gearblocks.simulation.plotting import COLOURS, MARKERS, finished, legend, new_figure, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +44,7 @@ def picture(found: Drawn, path: str | os.PathLike[str] | None) -> Figure:
             _panel(axis, found, i)
             axis.set_xlabel(f"relative error of\n{name}")
         panels[0].set_ylabel("CPU time in ms")
-        panels[-1].legend(loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        legend(panels[-1], *panels[:-1], loc="upper left", bbox_to_anchor=(1.0, 1.0))
         figure.suptitle(
             f"{found.scene.name}, {found.scene.begin:g} to {found.scene.end:g} s", x=0.01, ha="left", fontsize=10
         )

@@ -14,6 +14,8 @@ def test_curves_touch_at_the_pitch_point_at_every_angle_and_teeth_lie_around_the
     angles = (0.0, 1.0, 4.0)
     figure = gb.draw_pitch_curves(pair, tmp_path / "pair.png", angles=angles, flanks=(teeth, None))
     assert (tmp_path / "pair.png").stat().st_size > 10_000
+    (listed,) = figure.legends
+    assert [text.get_text() for text in listed.get_texts()] == ["gear 1", "gear 2", "pitch point"]
     for axis, phi in zip(figure.axes, angles, strict=True):
         curves = [line for line in axis.lines if len(line.get_xdata()) == 721]
         touch = 1e3 * pair.radii(phi)[0], 0.0
