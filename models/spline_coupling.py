@@ -184,11 +184,11 @@ def picture_kv(path: str | Path) -> None:
     torques, gaps = np.linspace(1300.0, 5200.0, 14).tolist(), np.linspace(0.1e-3, 0.6e-3, 11).tolist()
     over_torque, over_gap = dynamic_factors(torques), dynamic_factors(half_gaps=gaps)
     figure = Figure(figsize=(8.0, 3.4), layout="constrained")
-    words = (
+    named = (
         f"mean torque in N m (half of the backlash: {1e3 * SET_S.b:g} mm)",
         f"half of the backlash in mm ({SET_S.torque:g} N m)",
     )
-    over = (torques, over_torque, words[0]), ([1e3 * b for b in gaps], over_gap, words[1])
+    over = (torques, over_torque, named[0]), ([1e3 * b for b in gaps], over_gap, named[1])
     for axis, (x, study, label) in zip(figure.subplots(1, 2, sharey=True), over, strict=True):
         values = study.values.reshape(len(x), 2)
         for column, words in enumerate(("print: (Fm + k x)/Fm", "contact: N/Fm")):

@@ -200,11 +200,11 @@ def _told(
     keep = protocol.keep
     with executor_of(*workers) as (pool, _):
         try:
-            for i, j, seen, states, error in motions:
+            for i, j, seen, states, error, _ in motions:
                 if error is not None:
                     yield (i, j), Told(np.full(keep, np.nan), None, error)
                     continue
-                points = _outputs(seen, states[-keep:], output, protocol.transient + 1)
+                points = _outputs(seen, states[-keep:], output, seen.begun + protocol.transient + 1)
                 if full:
                     waiting[i, j] = pool.submit(_full, replace(protocol, seen=seen), states), points, states[-1]
                 else:
@@ -324,7 +324,7 @@ def _quick(seen: Strobe, states: Array, keep: int, longest: int) -> str:
     points = states[-keep:]
     period, _, _ = repeats(points, longest, _extent(points))
     if period is None and any(q.kind == "angle" for q in seen.model.program.states):
-        turns = turned(seen, states[-1], len(states)).turns
+        turns = turned(seen, states[-1], seen.begun + len(states)).turns
         if turns.any():
             points = around(np.where(turns > 0.0, 0.0, points), points, turns)
             period, _, _ = repeats(points, longest, _extent(points))

@@ -66,6 +66,14 @@ def begun_at(seen: Strobe, y: Array, after: int) -> Strobe:
     return seen if alike else replace(seen, begun=after)
 
 
+def repeating(seen: Strobe, y: Array, after: int) -> tuple[int, bool]:
+    """The number of periods of the section after which all drives repeat, when so many have passed, 0: none that is looked for;
+    and whether they act so from the time 0 on."""
+    periods = drive_periods(seen, y, DRIVES, after)
+    whole = after + -after % max(1, periods)
+    return periods, begun_at(seen, y, whole) is seen
+
+
 def _allowed(rates: Array) -> Array:
     found: Array = np.maximum(_ALIKE * np.ptp(rates, axis=0), 1e-12 * np.abs(rates).max(axis=0))
     return found

@@ -168,14 +168,15 @@ class Asked:
 
     def of(self, states: Array) -> Regime:
         """That of a motion that has passed these states at the section, shape (transient + keep, n). Raises GrowthError."""
-        grown = _grown(self.seen, states, len(states))
+        seen = replace(self.seen, begun=0)
+        grown = _grown(seen, states, self.seen.begun + len(states))
         if isinstance(grown, Regime):
             return grown
         states, after = grown
-        points, acts = states[-self.keep :], drives(self.seen, states[-1], self._farthest, after)
+        points, acts = states[-self.keep :], drives(seen, states[-1], self._farthest, after)
         if acts.changing:
             return Regime("unresolved", (acts.changing, "give a longer transient"))
-        seen = sized(self.seen, points[-1], after)
+        seen = sized(seen, points[-1], after)
         seen, points = begun_at(seen, points[-1], after - after % max(1, acts.periods)), seen.near(points)
         neutral = neutral_directions(seen, points[-1])
         asked = seen, points, neutral, acts.periods, after

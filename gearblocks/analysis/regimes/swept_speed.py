@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.analysis.parameter_study import Row
-from gearblocks.analysis.regimes.carried import DIRECTIONS, Jump, carried, output_of, rising
+from gearblocks.analysis.regimes.carried import DIRECTIONS, Jump, Passed, carried, output_of, rising
 from gearblocks.analysis.regimes.response import NONE, Response, response
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
@@ -105,6 +105,9 @@ def speed_sweep(
 ) -> SpeedSweep:  # fmt: skip
     """Mean, root mean square and peak-to-peak of an output over a speed, up and then down, the state carried over all the way.
 
+    The phase of the section goes on from value to value, and that of all that repeats with it; what acts once (a ramp, a step)
+    acts once, and what has a frequency of its own goes on to within a period.
+
     values: of the parameter, rising, in its unit as `sweep` takes them (of a Parameter in rpm: rpm), or texts with a unit;
     of: an output, such as the deflection of a mesh (default: the first
     deflection or twist); section: default once per period of the parameter. At each value `transient` periods pass, and `keep`
@@ -130,17 +133,20 @@ def speed_sweep(
     misses = np.full(found.shape[:2], np.nan)
     states = np.full((2, len(asked), model.program.n), np.nan)
     messages: dict[tuple[str, float], str] = {}
+    ends: dict[tuple[int, int], Passed] = {}
     with shown(2 * len(asked), 0, progress, "speed sweep") as tell:
-        for done, (i, j, seen, passed, error) in enumerate(carried(at, asked, initial, transient + keep, on=True)):
+        for done, (i, j, seen, points, error, passed) in enumerate(
+            carried(at, asked, initial, transient + keep, on=True)
+        ):
             try:
                 if error is not None:
                     raise error
-                found[i, j] = protocol.response(seen, passed)
-                misses[i, j], states[i, j] = protocol.miss(seen, passed), passed[-1]
+                found[i, j] = protocol.response(seen, points)
+                misses[i, j], states[i, j], ends[i, j] = protocol.miss(seen, points), points[-1], passed
             except SimulationError as failed:
                 messages[DIRECTIONS[i], float(asked[j])] = str(failed)
             tell(done + 1)
-    jumps = tuple(_jumps(protocol, asked, found[..., 3] - found[..., 2], states, jump, within))
+    jumps = tuple(_jumps(protocol, asked, found[..., 3] - found[..., 2], states, ends, jump, within))
     quantity = model.program.outputs[output]
     names = tuple(q.name for q in model.program.states)
     return SpeedSweep(
@@ -172,29 +178,31 @@ class _Protocol:
     def response(self, seen: Strobe, states: Array) -> Response:
         """Of a motion that has passed these states."""
         y = states[self.transient - 1]
-        return response(seen, y, self.keep, self.output, after=self.transient, samples=self.samples)
+        return response(seen, y, self.keep, self.output, after=seen.begun + self.transient, samples=self.samples)
 
     def miss(self, seen: Strobe, states: Array) -> float:
         """How far the last points miss those some periods later, of the sizes that the states come to."""
-        points, after = states[-self.keep :], self.transient + self.keep
+        points, after = states[-self.keep :], seen.begun + self.transient + self.keep
         extent = np.abs(np.vstack([points, seen.follow(points[-1], 2, after=after, parts=_PARTS_SIZED).states])).max(
             axis=0
         )
         extent[extent == 0.0] = 1.0
         return repeats(points, min(LONGEST, self.keep // 2), extent)[1]
 
-    def goes_on(self, value: float, y: Array) -> tuple[Response, Array]:
-        """The response at a value, from the states y on, and the states at its end; NaN where it cannot be run."""
-        seen = self.at(value)
+    def goes_on(self, value: float, y: Array, passed: Passed) -> tuple[Response, Array, Passed]:
+        """The response at a value, from the states y on, the states and what has passed at its end; NaN where it cannot be
+        run."""
+        seen, periods = passed.goes_on(self.at(value)), self.transient + self.keep
         try:
-            states = seen.follow(y, self.transient + self.keep).states
-            return self.response(seen, states), states[-1]
+            states = seen.follow(y, periods).states
+            return self.response(seen, states), states[-1], passed.after(seen, periods)
         except SimulationError:
-            return NONE, y
+            return NONE, y, passed
 
 
 def _jumps(
-    protocol: _Protocol, values: Array, swings: Array, states: Array, jump: float, within: float
+    protocol: _Protocol, values: Array, swings: Array, states: Array, ends: Mapping[tuple[int, int], Passed], jump: float,
+    within: float,
 ) -> list[Jump]:  # fmt: skip
     """Those of both ways, in the order in which they are met."""
     if not np.isfinite(swings).any():
@@ -205,23 +213,23 @@ def _jumps(
         order = np.arange(len(values))[:: 1 if i == 0 else -1]
         for a, b in pairwise(order):
             if abs(swings[i, b] - swings[i, a]) > least:
-                ends = _bracket(protocol, values[[a, b]], swings[i, [a, b]], states[i, a], within)
-                found += [] if ends is None else [Jump(direction, *ends)]
+                met = _bracket(protocol, values[[a, b]], swings[i, [a, b]], states[i, a], ends[i, a], within)
+                found += [] if met is None else [Jump(direction, *met)]
     return found
 
 
 def _bracket(
-    protocol: _Protocol, values: Array, swings: Array, y: Array, within: float
+    protocol: _Protocol, values: Array, swings: Array, y: Array, passed: Passed, within: float
 ) -> tuple[float, float, float, float] | None:
     """The two values that a jump lies between and the swings there; None where the change grows small with their distance."""
     (a, b), (before, after) = values.tolist(), swings.tolist()
     whole = abs(after - before)
     while abs(b - a) > within * max(abs(a), abs(b)):
         middle = 0.5 * (a + b)
-        found, end = protocol.goes_on(middle, y)
+        found, end, later = protocol.goes_on(middle, y, passed)
         swing = found.high - found.low
         if abs(swing - before) <= abs(swing - after):
-            a, before, y = middle, swing, end
+            a, before, y, passed = middle, swing, end, later
         else:
             b, after = middle, swing
         if not abs(after - before) > _STAYS * whole:
