@@ -83,7 +83,7 @@ def settled(seen: Strobe, initial: Any, transient: int) -> Settled:
 
 
 def _jacobians(seen: Strobe, along: _Along, size: Array) -> list[Array]:
-    """Rates by the states [1/s], at points along a motion."""
+    """Rates by the states [1/s], at points along a motion, of which the first is one that a run begins at."""
     units = [q.unit for q in seen.model.program.states]
     alike = np.array([max(s for s, unit in zip(size, units, strict=True) if unit == own) for own in units])
     beside = _BESIDE * np.maximum(size, np.where(alike > 0.0, _UNSEEN * alike, 1.0))
@@ -100,10 +100,10 @@ def _jacobians(seen: Strobe, along: _Along, size: Array) -> list[Array]:
                     step[j] = beside[j]
                     ends = [sim.probe(t, full + sign * step, None, "rates")[: seen.n] for sign in (1, -1)]
                     columns.append((ends[0] - ends[1]) / (2 * step[j]))
-        except SimulationError:  # it lies on a stop that moves, beyond it by rounding
+        except SimulationError:  # it rests on a stop that moves, beyond it by what a run is off
             continue
         found.append(np.array(columns).reshape(seen.n, seen.n).T)
-    return found or [np.zeros((seen.n, seen.n))]
+    return found
 
 
 def _driven(jacobian: Array, size: Array, period: float) -> Array:
