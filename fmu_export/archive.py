@@ -6,7 +6,7 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from gearblocks.files import make_folder, replacing
+from gearblocks.files import replacing
 
 DATE = (1980, 1, 1, 0, 0, 0)
 _EXECUTABLE, _PLAIN = 0o100755 << 16, 0o100644 << 16
@@ -14,7 +14,6 @@ _EXECUTABLE, _PLAIN = 0o100755 << 16, 0o100644 << 16
 
 def write_archive(path: Path, files: Mapping[str, bytes]) -> None:
     """Write `files` (names with forward slashes) to `path`, atomically; StorageError leaves what was there before."""
-    make_folder(path.parent)
     with replacing(path) as stream, zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(files):
             info = zipfile.ZipInfo(name, DATE)

@@ -25,7 +25,7 @@ from fmu_export.variables import Variable, variables_of
 from gearblocks.codegen.program import Program
 from gearblocks.drawing.drawing import Drawing, shown_drawing
 from gearblocks.errors import ParameterError, by_name_only, warn
-from gearblocks.files import as_path
+from gearblocks.files import as_path, check_place
 from gearblocks.language.units import seconds
 from gearblocks.model.following_starts import numbers_of_their_own
 from gearblocks.pages import legible_width
@@ -107,6 +107,7 @@ def _target(path: str | os.PathLike[str]) -> Path:
     target = as_path(path)
     if target.suffix.lower() != ".fmu":
         raise ParameterError(f"'{target}': the name of an FMU ends in .fmu, such as {target.with_suffix('.fmu').name}")
+    check_place("the FMU", target)
     return target
 
 

@@ -149,6 +149,7 @@ if TYPE_CHECKING:
         minimum,
         pi,
         piecewise,
+        rpm,
         sin,
         sqrt,
         tan,
@@ -158,7 +159,6 @@ if TYPE_CHECKING:
     from gearblocks.language.signals import Input, Parameter, Table, distance, sense, slip, temperature, time, twist
     from gearblocks.language.starts import rolling
     from gearblocks.language.tables import Table2
-    from gearblocks.language.units import rpm
     from gearblocks.language.watches import Excitation, Watch
     from gearblocks.language.waveforms import pulse, trapezoid
     from gearblocks.running import build, carried_start, simulate
@@ -237,12 +237,11 @@ _NAMES = {
         "Acts Body Energy Hold LossyTie Motion Parts Potential Rate Shows Start Stick Stop Switch Tie"
     ),
     "language.fields": "Flange State effect exact option param signal",
-    "language.functions": "Heaviside cos exp log maximum minimum pi piecewise sin sqrt tan tanh",
+    "language.functions": "Heaviside cos exp log maximum minimum pi piecewise rpm sin sqrt tan tanh",
     "language.heat": "HeatPort",
     "language.signals": "Input Parameter Table distance sense slip temperature time twist",
     "language.starts": "rolling",
     "language.tables": "Table2",
-    "language.units": "rpm",
     "language.watches": "Excitation Watch",
     "language.waveforms": "pulse trapezoid",
     "running": "build carried_start simulate",

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
-from gearblocks.errors import ModelError, by_name, by_name_only, did_you_mean, missing_attribute
+from gearblocks.errors import ModelError, arguments_told, by_name, did_you_mean, missing_attribute
 from gearblocks.files import as_path
 from gearblocks.language.block import Block
 from gearblocks.language.expression import as_expr
@@ -19,7 +19,7 @@ from gearblocks.model.build import check_user_blocks
 from gearblocks.model.effect_removal import needed, without_effects
 from gearblocks.pages import Lines
 from gearblocks.train.graph import Coordinate, Train, Tree, flatten
-from gearblocks.train.handles import FlangeHandle, Handle, bare, end_of, lost_flanges, main_ends
+from gearblocks.train.handles import FlangeHandle, Handle, PartsByName, bare, end_of, lost_flanges, main_ends
 from gearblocks.train.leaves import with_parameter
 from gearblocks.train.left_out import LeftOut, left_out_of
 from gearblocks.train.plausibility import warn_of_doubts
@@ -36,13 +36,13 @@ _B = TypeVar("_B", bound=Block)
 _NAME = re.compile(r"[A-Za-z_]\w*")
 
 
-class Drivetrain:
+@arguments_told
+class Drivetrain(PartsByName):
     """A drivetrain: named blocks and trains, joined at their flanges.
 
     `add`, `connect`, `chain`, `expose` and `coordinate` change it; `set`, `without` and `only` return new ones.
     """
 
-    @by_name_only
     def __init__(self, name: str) -> None:
         if not isinstance(name, str) or not name.strip():
             raise ModelError(f"a Drivetrain needs a name: {name!r} must be text such as 'test rig'")
@@ -60,7 +60,6 @@ class Drivetrain:
     def add(self, name: str, part: Drivetrain | Handle) -> Handle: ...
     @overload
     def add(self, name: str, part: _B) -> _B: ...
-    @by_name_only
     def add(self, name: str, part: Block | Drivetrain | Handle) -> Any:
         """Adds a block, or a copy of a train, under a name; returns a handle with its flanges and fields.
 
@@ -160,10 +159,6 @@ class Drivetrain:
         part = self._parts.get(name)
         return part is not None and (not rest or (isinstance(part, Drivetrain) and rest in part))
 
-    def __iter__(self) -> Iterator[str]:
-        """The names of the parts."""
-        return iter(self._parts)
-
     def _walk(self, prefix: str = "") -> Iterator[tuple[str, Drivetrain, str, Block]]:
         """(path, owner, name, block) of every block."""
         for name, part in self._parts.items():
@@ -172,7 +167,6 @@ class Drivetrain:
             else:
                 yield f"{prefix}{name}", self, name, part
 
-    @by_name_only
     def set(self, values: Mapping[str, Any]) -> Drivetrain:
         """A new train with other values, by path: {"mesh.backlash.half_gap": 2e-5, "mesh": gb.GearMesh(...)}; or by the name
         of a Parameter, in its unit: {"speed": 3000}, which changes everywhere."""
@@ -260,8 +254,11 @@ class Drivetrain:
                 )
             hits = {name: effect for name, effect in present.items() if fnmatch.fnmatchcase(name, pattern)}
             if not hits:
+                from gearblocks.model.listing import near_patterns
+
                 problems.append(
-                    f"no effect matches '{pattern}'; present are {', '.join(present) or 'none'}{did_you_mean(pattern, present)}"
+                    f"no effect matches '{pattern}'; present are {', '.join(present) or 'none'}"
+                    f"{near_patterns(pattern, present)}"
                 )
             found |= hits
         if problems:
@@ -325,7 +322,6 @@ class Drivetrain:
 
         return listing.flanges(self.tree(), patterns)
 
-    @by_name_only
     def draw(
         self, path: str | Path | None = None, *, values: bool = False, run: Trajectory | None = None, at: float | None = None
     ) -> Drawing:  # fmt: skip

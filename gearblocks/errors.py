@@ -11,7 +11,8 @@ import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
-from inspect import CO_VARARGS
+from inspect import CO_VARARGS, CO_VARKEYWORDS
+from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
 _P = ParamSpec("_P")
@@ -129,6 +130,8 @@ def missing_attribute(
     if not ways and (meant := _MEANT.get(name)) in own:
         ways = [f"{of}.{meant}"]
     ways = ways or [f"{of}['{part}']" for part in near_names(name, parts)[:1]]
+    if not ways and kind == "Drivetrain" and name in _TAKING_OUT:
+        return UnknownAttributeError(f"a Drivetrain has no attribute '{name}': {STAYS}")
     near = "" if ways else did_you_mean(name, own)
     return UnknownAttributeError(
         f"a {kind} has no attribute '{name}'{near}; {f'write {chr(32).join(ways)}' if ways else _LISTED[of]}"
@@ -150,6 +153,14 @@ _MEANT = {
 """Attributes by what other packages call them."""
 
 
+_TAKING_OUT = ("remove", "delete", "drop", "pop", "discard", "disconnect", "clear")
+"""What other packages call taking something out."""
+
+STAYS = (
+    "a part stays in its train; leave it out where the train is made, in a function with an argument for it, say; "
+    "effects go by rig.without('mesh.backlash')"
+)
+
 _FUNCTIONS = ("build", "simulate", "modes", "linearize", "sweep", "study", "campbell", "fit", "classify", "rms", "peak")
 """What a train or a run is given to, and has not itself."""
 
@@ -160,7 +171,7 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     n, name = code.co_argcount, function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
     any_number = code.co_flags & CO_VARARGS
     known = code.co_varnames[: n + code.co_kwonlyargcount]
-    first = known[:1].count("self")
+    first = known[:1].count("self")  # of those that a caller gives
     by_place, by_name = known[: n - len(function.__defaults__ or ())], [x for x in known[n:] if x not in defaults]
     listed = ", ".join(sorted(known[n:] or known[first:]))
     names = [f"*{code.co_varnames[len(known)]}"] if any_number else []
@@ -171,16 +182,49 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
         if not named and not by_name and len(by_place) <= len(given) <= n:
             return function(*given, **named)
         if len(given) > n and not any_number:
-            raise ParameterError(f"{name}: {given[n]!r:.80} is given without a name; name it: {listed}")
+            way = (
+                f"is given without a name; name it: {listed}"
+                if known[n:]
+                else _too_many(function, given[n], known[first:])
+            )
+            raise ParameterError(f"{name}: {given[n]!r:.80} {way}")
         for argument in named:
-            if argument not in known:
-                near = did_you_mean(argument, known)
-                raise ParameterError(f"{name} has no argument '{argument}'; it has {listed}{near or f'; write {call}'}")
+            if argument not in known or argument in known[:first]:
+                near = did_you_mean(argument, known[first:])
+                has = f"it has {', '.join(sorted(known[first:]))}" if known[first:] else "it has none"
+                raise ParameterError(f"{name} has no argument '{argument}'; {has}{near or f'; write {call}'}")
+        if twice := [x for x in known[first : min(len(given), n)] if x in named]:
+            raise ParameterError(f"{name}: {twice[0]} is given twice, by its place and by its name; write {call}")
         if missing := [x for x in (*by_place[len(given) :], *by_name) if x not in named]:
             raise ParameterError(f"{name} needs {' and '.join(missing)}; write {call}")
         return function(*given, **named)
 
     return checked
+
+
+def _too_many(function: Callable[..., Any], value: Any, known: Sequence[str]) -> str:
+    """Why a function without further arguments does not take this one. What answers with text writes no file."""
+    text = function.__annotations__.get("return") == "str" and isinstance(value, str) and "." in value
+    way = f"it takes {', '.join(known) or 'nothing'}"
+    if text:
+        way = f"what it answers is text, written to a file by pathlib.Path({value!r}).write_text"
+    return f"is more than it takes; {way}"
+
+
+_C = TypeVar("_C", bound=type)
+
+
+def arguments_told(kind: _C) -> _C:
+    """A class whose public methods, and `__init__` where it is the class's own, are `by_name_only`."""
+    for name, member in [*vars(kind).items()]:
+        function = member.__func__ if isinstance(member, staticmethod) else member
+        if not isinstance(function, FunctionType) or (name.startswith("_") and name != "__init__"):
+            continue
+        if function.__code__.co_flags & CO_VARKEYWORDS or hasattr(function, "__wrapped__"):
+            continue
+        told = by_name_only(function)
+        setattr(kind, name, staticmethod(told) if isinstance(member, staticmethod) else told)
+    return kind
 
 
 ELSEWHERE = {
@@ -215,7 +259,8 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     near = near_names(name, known)
     if not near:
         folded = name.casefold()
-        near = [other for other in known if other.casefold().endswith("." + folded) or other.casefold() == folded][:3]
+        near = [x for x in known if x.casefold().endswith("." + folded) or x.casefold() == folded]
+        near = (near or [x for x in known if len(name) > 2 and x.casefold().startswith(folded)])[:3]
     if not near:
         return ""
     return " - did you mean " + " or ".join(f"'{other}'" for other in near) + "?"

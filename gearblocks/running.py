@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from gearblocks.simulation.trajectory import Trajectory
 
 
+@by_name_only
 def build(train: Drivetrain | Model) -> Model:
     """Equations, program and compiled library of a train, for repeated use: simulate(model, ...), export(model, ...)."""
     if isinstance(train, Model):

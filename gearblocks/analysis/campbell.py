@@ -12,7 +12,14 @@ from gearblocks.analysis.modes import body_speeds, modes_at
 from gearblocks.analysis.operating_point import OperatingPoint, operating_point
 from gearblocks.codegen.program import ParameterInfo, Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, SimulationError, by_name_only
+from gearblocks.errors import (
+    ParameterError,
+    SimulationError,
+    UnknownNameError,
+    arguments_told,
+    by_name_only,
+    did_you_mean,
+)
 from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import row_in_si
 from gearblocks.pages import small_table
@@ -40,6 +47,7 @@ class Crossing(NamedTuple):
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, eq=False)
 class Campbell(metaclass=Tidy):
     """Natural frequencies [rad/s], shape (speeds, modes), over speeds [rad/s]; orders: excitations per turn by name."""
@@ -76,7 +84,6 @@ class Campbell(metaclass=Tidy):
         ]
         return "\n".join([head, *rows])
 
-    @by_name_only
     def plot(self, path: Any = None) -> Figure:
         """Frequencies, order lines and crossings over the speed in rpm; saved to `path` where given."""
 
@@ -102,6 +109,10 @@ def campbell(
         raise ParameterError(f"speeds = {speeds!r:.80} must be a row of numbers that increase")
     names = {p.path: i for i, p in enumerate(model.program.parameters) if p.tunable}
     body = _body_of(model, speed)
+    if body is None and isinstance(speed, str) and speed not in names:
+        speeds_of_bodies = [f"{name}.w" for name in body_speeds(model.program)[0]]
+        if near := did_you_mean(speed, speeds_of_bodies):
+            raise UnknownNameError(f"there is no Parameter and no speed of a body '{speed}'{near}")
     driven = None if body is not None else model.program.parameters[resolve(speed, names, "parameter")]
     warn_of_parameters(model, parameters)
     found, damping = [], []

@@ -9,7 +9,7 @@ earlier run (its end).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, final
 
@@ -21,9 +21,9 @@ from gearblocks.analysis.printed_linearization import document
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean
+from gearblocks.errors import ParameterError, UnknownNameError, arguments_told, by_name_only, did_you_mean
 from gearblocks.language.tidy import Tidy
-from gearblocks.language.units import row_in_si
+from gearblocks.language.units import frequencies_in_si
 from gearblocks.model.value_rules import check_bounds
 from gearblocks.plurals import singular
 from gearblocks.running import build
@@ -58,6 +58,7 @@ _SIDES = {-1.0: "coast side", 0.0: "no contact", 1.0: "drive side"}
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, eq=False)
 class Linearization(metaclass=Tidy):
     """dx/dt = A x + B u, y = C x + D u for small deviations from a point, contacts keeping their side.
@@ -105,7 +106,7 @@ class Linearization(metaclass=Tidy):
 
         Raises ParameterError at a frequency where the response has no bound.
         """
-        w = row_in_si("frequencies", frequencies, "rad/s")
+        w = frequencies_in_si("frequencies", frequencies)
         found = np.empty((len(w), len(self.outputs), len(self.inputs)), dtype=complex)
         for row, one in enumerate(w):
             x = self._solved(complex(0.0, one))
@@ -199,7 +200,7 @@ def _words(point: Point, states: Sequence[str]) -> str:
 def _outputs(point: Point, wanted: str | Sequence[str]) -> tuple[Indices, list[int]]:
     """Indices of the states and of the outputs; unread angles only where an output needs them."""
     program = point.program
-    patterns = [wanted] if isinstance(wanted, str) else list(wanted)
+    patterns = [wanted] if isinstance(wanted, str) or not isinstance(wanted, Iterable) else list(wanted)
     numbers = dict.fromkeys(i for pattern in patterns for i in picked_outputs(program, pattern).values())
     pick = np.array(list(numbers), dtype=np.intp)
     unread = np.array([x.offset for x in program.integrals if x.part == "angle"], dtype=np.intp)
@@ -304,6 +305,7 @@ def _moved_parameter(point: Point, i: int, columns: Indices, pick: list[int]) ->
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, eq=False)
 class FrequencyResponse(metaclass=Tidy):
     """Complex response of outputs to a harmonic input: output = Re(H exp(i w t)) for the input cos(w t).
@@ -329,7 +331,6 @@ class FrequencyResponse(metaclass=Tidy):
             f"<FrequencyResponse of '{self.name}' to {self.input} at {len(self.frequencies)} frequencies: {listed}>"
         )
 
-    @by_name_only
     def plot(self, path: Any = None) -> Figure:
         """Magnitude and phase over the frequency in Hz (Bode); saved to `path` where given."""
 
@@ -342,10 +343,12 @@ def frequency_response(
     t: float | None = None, parameters: Mapping[str, float | str] | None = None,
 ) -> FrequencyResponse:  # fmt: skip
     """The response of outputs to an Input, or to a tunable parameter such as "load.tau", at frequencies in rad/s, or such as
-    "3000 rpm"; at: as of `linearize`."""
+    "3000 rpm" or "50 Hz"; at: as of `linearize`."""
+    if not isinstance(input, str):
+        raise ParameterError(f"input = {input!r:.80} must be the name of one, as text; write a response for each")
     model = build(train)
     found = linearize(model, at, inputs=[input], outputs=outputs, t=t, parameters=parameters)
-    w = row_in_si("frequencies", frequencies, "rad/s")
+    w = frequencies_in_si("frequencies", frequencies)
     units = {q.name: q.unit for q in model.program.outputs}
     return FrequencyResponse(
         model.program.name, input, found.outputs, w, found.response(w)[:, :, 0], tuple(units[n] for n in found.outputs)

@@ -18,7 +18,7 @@ from gearblocks.analysis.operating_point import OperatingPoint, operating_point
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.errors import ParameterError, arguments_told, by_name_only
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
 from gearblocks.plurals import among, singular
@@ -45,6 +45,7 @@ _REAL = 1e-9  # a smaller imaginary part, relative to the eigenvalue, is roundin
 
 
 @final
+@arguments_told
 @told
 @dataclass(frozen=True, eq=False)
 class Modes(metaclass=Tidy):
@@ -127,7 +128,6 @@ class Modes(metaclass=Tidy):
         ]
         return "\n".join([head, *(line.rstrip() for line in lines), *tail])
 
-    @by_name_only
     def plot(self, path: Any = None, *, most: int = 6) -> Figure:
         """Shapes and strain energies of the first modes that swing; saved to `path` where given."""
         return shapes(self, path, most)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import StorageError, UnknownNameError, by_name_only, did_you_mean, missing_attribute
+from gearblocks.errors import StorageError, UnknownNameError, arguments_told, did_you_mean, missing_attribute
 from gearblocks.files import as_path, replacing, unreadable, write_bytes
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
@@ -39,6 +39,7 @@ class Failure(NamedTuple):
 
 
 @final
+@arguments_told
 @told
 @dataclass(frozen=True, slots=True, eq=False)
 class Study(metaclass=Tidy):
@@ -285,7 +286,6 @@ class Study(metaclass=Tidy):
             words = str(error).partition("\n")[0]
             raise StorageError(f"cannot read '{path}': it is not a stored study, or it is damaged ({words})") from error
 
-    @by_name_only
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
         """Figure of the quantities (default all), one panel each: lines over one dimension, colours over two, cases over each
         value that varies in them; points without a value are crosses. Saved to `path` where given. Raises UnknownNameError,

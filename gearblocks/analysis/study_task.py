@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from types import FunctionType
+from types import FunctionType, MethodType
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,6 +129,10 @@ def measures_of(quantity: Any, asks: str) -> tuple[Measure, ...]:
     if not given:
         raise ParameterError(f"quantity = (): {asks} at least one, such as gb.peak('mesh.force')")
     for one in given:
+        if isinstance(one, FunctionType) and str(one.__module__).startswith("gearblocks."):
+            raise ParameterError(
+                f"quantity = gb.{one.__name__} makes quantities: call it, gb.{one.__name__}('mesh.force')"
+            )
         if not isinstance(one, Quantity) and not (callable(one) and not isinstance(one, type)):
             raise ParameterError(
                 f"quantity = {one!r:.80} must be one, such as gb.peak('mesh.force'), or a function of a trajectory"
@@ -268,8 +273,24 @@ def _measure_text(measure: Measure) -> str:
 
 
 def _callable_text(function: Callable[..., Any]) -> str:
-    """A function by its content; an object that is called by its class, as it may count its calls."""
-    return content_of(function if isinstance(function, FunctionType) else type(function))
+    """A function by its content; an object that is called, or whose method is, by what it held when it was first given, as
+    it may count its calls."""
+    if isinstance(function, FunctionType):
+        return content_of(function)
+    if isinstance(function, MethodType):
+        return content_of(function.__func__) + _first_content(function.__self__)
+    return _first_content(function)
+
+
+_FIRST: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
+"""Contents of objects when they were first given, as long as they live."""
+
+
+def _first_content(thing: Any) -> str:
+    try:
+        return _FIRST.setdefault(thing, _FIRST.get(thing) or content_of(thing))
+    except TypeError:  # what has no hash, or no weak references
+        return content_of(thing)
 
 
 def _source_text(source: Any) -> str:

@@ -18,7 +18,7 @@ from gearblocks.cli.report import regimes
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import GearblocksError
 from gearblocks.files import make_folder, write_text
-from gearblocks.language.units import rpm as radians_per_second
+from gearblocks.language.functions import rpm as radians_per_second
 from gearblocks.pages import page
 from gearblocks.running import build
 from gearblocks.simulation.plotting import Plane, planes

@@ -157,7 +157,7 @@ def load(path: Path) -> ModuleType:
 
 
 def _split(text: str) -> tuple[str, str]:
-    file, colon, name = text.rpartition(":")
+    file, colon, name = text.removesuffix("()").rpartition(":")
     drive = len(file) == 1 and file.isalpha()
     return (file, name) if colon and not drive and name.isidentifier() else (text, DEFAULT)
 

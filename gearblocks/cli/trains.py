@@ -163,7 +163,11 @@ def unit_apart(arguments: Sequence[str]) -> str:
 
 def assigned(texts: Sequence[str] | None) -> dict[str, float | str]:
     """Values by path of options such as mesh.k=1.5e8 or mesh.k=150MN/m."""
-    return dict(_assignment(text) for text in texts or ())
+    pairs = [_assignment(text) for text in texts or ()]
+    if twice := [path for i, (path, _) in enumerate(pairs) if path in dict(pairs[:i])]:
+        given = " and ".join(f"{path}={value}" for path, value in pairs if path == twice[0])
+        raise ParameterError(f"--set {twice[0]} is given twice, {given}; leave one of them out")
+    return dict(pairs)
 
 
 def _assignment(text: str) -> tuple[str, float | str]:

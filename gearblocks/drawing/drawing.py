@@ -10,7 +10,7 @@ from gearblocks.drawing import states
 from gearblocks.drawing.layout import Layout, layout
 from gearblocks.drawing.scheme import Scheme, scheme_of
 from gearblocks.drawing.writing import svg
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, arguments_told
 from gearblocks.files import as_path, write_text
 from gearblocks.train.graph import Tree, flatten
 
@@ -19,6 +19,7 @@ SHOWN = 500
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, slots=True, repr=False)
 class Drawing:
     """A kinematic scheme as SVG: str() is the text, save() writes a file, a notebook shows it."""

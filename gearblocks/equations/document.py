@@ -18,6 +18,7 @@ from gearblocks.equations import text as plain
 from gearblocks.equations.names import Name
 from gearblocks.equations.nodes import Node
 from gearblocks.equations.nomenclature import Entry
+from gearblocks.errors import ParameterError, arguments_told
 from gearblocks.language.signals import Table
 from gearblocks.pages import FRAGMENT, legible_width, page
 
@@ -56,6 +57,7 @@ class Section:
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Nomenclature:
     """Symbols with their meaning. Shown by str(), latex() and html()."""
@@ -119,6 +121,7 @@ class Nomenclature:
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Document:
     """Sections and the symbols in them. Shown by str(), latex(), html() and mathml()."""
@@ -181,7 +184,12 @@ class Document:
 
     def html(self, drawing: str = "") -> str:
         """A page that a browser shows without a network; drawing: SVG that stands above the equations."""
-        return self._page(drawing=drawing)
+        if drawing and not str(drawing).lstrip().startswith("<"):
+            raise ParameterError(
+                f"drawing = {str(drawing)!r:.80} must be the SVG of the train, str(rig.draw()); the page is text, written to a "
+                "file by pathlib.Path('page.html').write_text"
+            )
+        return self._page(drawing=str(drawing))
 
     def _page(self, drawing: str = "", **frame: str) -> str:
         number, sections = 0, []

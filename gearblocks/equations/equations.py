@@ -18,11 +18,12 @@ from gearblocks.equations.long_numbers import with_constants
 from gearblocks.equations.names import Name
 from gearblocks.equations.nomenclature import Entry
 from gearblocks.equations.switched_constraints import SwitchedConstraint, constraint_torques, wanted
-from gearblocks.errors import ParameterError, did_you_mean
+from gearblocks.errors import ParameterError, arguments_told, did_you_mean
 from gearblocks.laws.symbols import time_symbol
 from gearblocks.plurals import singular
 
 
+@arguments_told
 @dataclass(frozen=True)
 class Equations:
     """Equations of motion of a train: mass_matrix * v' = forcing, q' = v, and rates of the states of blocks.

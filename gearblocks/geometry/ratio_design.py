@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearblocks.errors import by_name_only
 from gearblocks.geometry.pitch_curves import GRID, PitchPair
 from gearblocks.geometry.ratio_curves import TURN
 from gearblocks.geometry.ratio_law import RatioLaw
@@ -30,6 +31,7 @@ class RatioDesign:
     module: float
 
 
+@by_name_only
 def design_ratio(k: float, b: float, X: float, E: float, n: float = 1.0) -> RatioDesign:
     """The law m = k phi + b on [0, X] with the mean ratio n, and its pair with the centre distance E [m].
 

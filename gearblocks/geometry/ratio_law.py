@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, arguments_told
 from gearblocks.geometry.pitch_curves import PitchPair
 from gearblocks.geometry.planet_assembly import PlanetAssembly, planet_assembly
 from gearblocks.geometry.ratio_curves import TURN, Array, Curve, Ellipse, Extremes, RatioLawError, extremes
@@ -23,6 +23,7 @@ from gearblocks.language.expression import finite_number
 from gearblocks.language.tidy import Tidy
 
 
+@arguments_told
 @dataclass(frozen=True, eq=False)
 class RatioLaw(metaclass=Tidy):
     """The angle F(phi) of gear 2 over the angle phi of gear 1 (both from the carrier, F(0) = 0) and m = F' > 0.

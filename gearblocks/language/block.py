@@ -11,7 +11,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from types import CodeType, FunctionType, MappingProxyType
-from typing import Any, ClassVar, dataclass_transform
+from typing import Any, ClassVar, Self, dataclass_transform
 
 from gearblocks.errors import GearblocksError, ModelError, did_you_mean
 from gearblocks.language.contributions import Contribution, Parts
@@ -67,6 +67,14 @@ class Declared(metaclass=Documented):
         starts = [f"{name} ({spec.start})" for name, spec in cls.fields.items() if spec.start is not None]
         if len(starts) > len(start_fields(cls)):
             raise ModelError(f"{cls.__name__}: {', '.join(starts)}: declare one start value of each kind")
+
+    def __new__(cls, *_: Any, **__: Any) -> Self:
+        if cls.__abstractmethods__:
+            raise ModelError(
+                f"{cls.__name__} has no {', '.join(cls.__abstractmethods__)}: write in it `def physics(self, s)`, which "
+                "yields what it does to its flanges, such as gb.Acts(s.shaft, ...); help(gb.Block) shows one"
+            )
+        return object.__new__(cls)
 
     def __init__(self, *unnamed: Any, **values: Any) -> None:
         fields, kind, store = type(self).fields, type(self).__name__, self.__dict__
@@ -328,7 +336,8 @@ class Block(Declared, ABC):
             key = name if spec.role == "effect" else spec.belongs_to
             value = self.__dict__[name]
             needed = isinstance(value, Effect) and value.needed_by(self)
-            if key and value is not None and value != spec.default and not needed:
+            absent = value is None or (spec.role != "effect" and value == spec.default)
+            if key and not absent and not needed:
                 present.setdefault(key, value)
         return present
 

@@ -11,9 +11,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from gearblocks.errors import arguments_told
 from gearblocks.language.tidy import Tidy
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Body(metaclass=Tidy):
     """An inertia at a flange: J [kg m2], or the mass [kg] of a slider."""
@@ -22,6 +24,7 @@ class Body(metaclass=Tidy):
     J: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Force(metaclass=Tidy):
     """A generalised force along a deflection: every flange gets the torque -force * d deflection / d phi (virtual work).
@@ -34,6 +37,7 @@ class Force(metaclass=Tidy):
     force: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Potential(metaclass=Tidy):
     """An energy [J] of the flange angles: every flange gets the torque -d energy / d phi."""
@@ -41,6 +45,7 @@ class Potential(metaclass=Tidy):
     energy: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Acts(metaclass=Tidy):
     """The torque tau [N m] that the block exerts ON the flange."""
@@ -49,6 +54,7 @@ class Acts(metaclass=Tidy):
     tau: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Tie(metaclass=Tidy):
     """A rigid constraint: `zero` stays 0.
@@ -65,6 +71,7 @@ class Tie(metaclass=Tidy):
     rates: tuple[Any, Any] | None = None
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Motion(metaclass=Tidy):
     """A prescribed motion by speed: `zero`, linear in the flange speeds with the factors 1 and -1, stays zero. The rest must be
@@ -73,6 +80,7 @@ class Motion(metaclass=Tidy):
     zero: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Start(metaclass=Tidy):
     """The start value of a state of the block, computed from angles, time and parameters at the start."""
@@ -81,6 +89,7 @@ class Start(metaclass=Tidy):
     value: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Rate(metaclass=Tidy):
     """The time derivative of a state of the block."""
@@ -89,6 +98,7 @@ class Rate(metaclass=Tidy):
     expr: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Hold(metaclass=Tidy):
     """A state that stays as it is until `when` comes to 1, or to -1, at an event; it then takes `value` of that instant.
@@ -104,6 +114,7 @@ class Hold(metaclass=Tidy):
     inverse_speed: bool = False
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Switch(metaclass=Tidy):
     """A named located switch: mode `high` where surface >= 0, else `low`; located only while `when` is not zero.
@@ -120,6 +131,7 @@ class Switch(metaclass=Tidy):
     high: float = 1.0
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Stick(metaclass=Tidy):
     """A switched constraint along a slip, linear in the flange speeds with constant factors: dry friction, or a lock.
@@ -139,6 +151,7 @@ class Stick(metaclass=Tidy):
     impulse: Any = None
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Stop(metaclass=Tidy):
     """A unilateral constraint: the gap, linear in the flange angles with constant factors, stays >= 0.
@@ -154,6 +167,7 @@ class Stop(metaclass=Tidy):
     impacts: Any = None
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class LossyTie(metaclass=Tidy):
     """A rigid constraint with losses in proportion to its constraint force, and stuck at rest.
@@ -172,6 +186,7 @@ class LossyTie(metaclass=Tidy):
     coasting: Any
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Shows(metaclass=Tidy):
     """An output of the block."""
@@ -182,6 +197,7 @@ class Shows(metaclass=Tidy):
     words: str = ""
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Energy(metaclass=Tidy):
     """Entry of the ledger: stored energy [J] and lost power [W]. What neither explains counts as supplied."""
@@ -209,6 +225,7 @@ Contribution: TypeAlias = (
 )
 
 
+@arguments_told
 @dataclass(frozen=True)
 class Parts(metaclass=Tidy):
     """Composition of a composite block: blocks by name, links between (name, flange) pairs, and its own flanges."""

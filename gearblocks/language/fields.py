@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from gearblocks.errors import ModelError
+from gearblocks.errors import ModelError, arguments_told, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import declared, unit_of_entry
@@ -112,6 +112,7 @@ class Field:
         return self.default is _REQUIRED
 
 
+@by_name_only
 def param(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, le: float | None = None, many: bool = False, belongs_to: str | None = None,
@@ -153,6 +154,7 @@ def param(
     )
 
 
+@by_name_only
 def exact(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, each: tuple[str, ...] = (),
     symbol: str = "",
@@ -162,6 +164,7 @@ def exact(
     return Field(words, unit, "exact", default, many=many, each=each, symbol=symbol)
 
 
+@by_name_only
 def option(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, many: bool = False, belongs_to: str | None = None,
     absence_of: str | None = None, turns: bool = False,
@@ -174,6 +177,7 @@ def option(
     return Field(words, unit, "option", default, many=many, belongs_to=belongs_to, absence_of=absence_of, turns=turns)
 
 
+@by_name_only
 def signal(
     words: str, unit: str = "1", *, default: Any = _REQUIRED, gt: float | None = None, ge: float | None = None,
     lt: float | None = None, belongs_to: str | None = None, over: str | None = None, part: str = "", symbol: str = "",
@@ -192,12 +196,14 @@ def signal(
     )  # fmt: skip
 
 
+@by_name_only
 def effect(words: str, *, default: Any = None, convert: Callable[[Any], Any] | None = None, turns: bool = False) -> Any:
     """An effect object, or None: absent. convert: turns a short form into the effect it stands for. turns: the deflection that
     it is of is an angle, and what the effect has of that is in rad."""
     return Field(words, "1", "effect", default, convert=convert, turns=turns)
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Flange(metaclass=Tidy):
     """A rotating connection point, or a sliding one.
@@ -223,6 +229,7 @@ class Unseen(Flange):
     __slots__ = ()
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class State(metaclass=Tidy):
     """A state of a block's own. The block yields Rate(s.name, expression), or Hold(s.name, value, when).

@@ -8,65 +8,79 @@ Knows nothing of laws.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, overload
 
-from gearblocks.errors import ParameterError
+import numpy as np
+from numpy.typing import NDArray
+
+from gearblocks.errors import ParameterError, by_name_only
 from gearblocks.language.expression import Expr, as_expr, evaluate, function, is_sympy, number
 
 pi = math.pi
 """The ratio of a circle's circumference to its diameter."""
 
 
+@by_name_only
 def sin(x: Any) -> Any:
     """Sine of an angle in rad."""
     return _call("sin", x)
 
 
+@by_name_only
 def cos(x: Any) -> Any:
     """Cosine of an angle in rad."""
     return _call("cos", x)
 
 
+@by_name_only
 def tan(x: Any) -> Any:
     """Tangent of an angle in rad."""
     return _call("tan", x)
 
 
+@by_name_only
 def tanh(x: Any) -> Any:
     """Hyperbolic tangent: a smooth sign."""
     return _call("tanh", x)
 
 
+@by_name_only
 def exp(x: Any) -> Any:
     """Exponential function."""
     return _call("exp", x)
 
 
+@by_name_only
 def log(x: Any) -> Any:
     """Natural logarithm."""
     return _call("log", x)
 
 
+@by_name_only
 def sqrt(x: Any) -> Any:
     """Square root."""
     return _call("sqrt", x)
 
 
+@by_name_only
 def minimum(*values: Any) -> Any:
     """The least of several values; where another one becomes it is located in a run."""
     return _call("Min", *_several("minimum", values))
 
 
+@by_name_only
 def maximum(*values: Any) -> Any:
     """The largest of several values; where another one becomes it is located in a run."""
     return _call("Max", *_several("maximum", values))
 
 
+@by_name_only
 def Heaviside(x: Any) -> Any:
     """1 where x >= 0, else 0; the jump is located in a run."""
     return _call("Heaviside", x)
 
 
+@by_name_only
 def piecewise(*pairs: tuple[Any, Any]) -> Any:
     """(value, condition) pairs, the first true condition wins; the last condition must be True."""
     flat: list[Any] = []
@@ -81,6 +95,25 @@ def piecewise(*pairs: tuple[Any, Any]) -> Any:
 
         return sp.Piecewise(*pairs)
     return Expr("Piecewise", *(number(1.0) if x is True else as_expr(x) for x in flat))
+
+
+@overload
+def rpm(speed: float) -> float: ...
+@overload
+def rpm(speed: NDArray[Any] | list[float] | tuple[float, ...]) -> NDArray[np.float64]: ...
+@overload
+def rpm(speed: Any) -> Any: ...
+@by_name_only
+def rpm(speed: Any) -> Any:
+    """Revolutions per minute as rad/s, for a number, an array or an expression."""
+    if isinstance(speed, (int, float)) or hasattr(speed, "_expr_") or is_sympy(speed):
+        return speed / 60.0 * (2.0 * math.pi)
+    try:
+        return np.asarray(speed, dtype=np.float64) / 60.0 * (2.0 * math.pi)
+    except (TypeError, ValueError):
+        raise ParameterError(
+            f"rpm({speed!r:.80}): what it converts are numbers; a value with its unit is the text alone, '3000 rpm'"
+        ) from None
 
 
 def _call(name: str, *arguments: Any) -> Any:

@@ -15,7 +15,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gearblocks.errors import GearblocksError, ParameterError, by_name_only
+from gearblocks.errors import GearblocksError, ParameterError, arguments_told, by_name_only
 from gearblocks.language.expression import FUNCTIONS, Expr, as_expr, evaluate
 from gearblocks.language.numpy_calls import numpy_call
 from gearblocks.language.refusals import NoWholeNumbers
@@ -113,6 +113,7 @@ class _Leaf(NoWholeNumbers):
         return self._expr_() >= other
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Parameter(_Leaf, metaclass=Tidy):
     """One tunable value that may stand in any numeric field or expression of a train.
@@ -140,6 +141,7 @@ class Parameter(_Leaf, metaclass=Tidy):
         return Expr("parameter", self)
 
 
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Input(_Leaf, metaclass=Tidy):
     """A value from outside: a number, Table or callable given to simulate, a variable of the FMU.
@@ -219,6 +221,7 @@ def _check_jumps(x: NDArray[np.float64]) -> None:
 _FAR = 1e9  # of the reach of a table: where the lines of one that is extrapolated end
 
 
+@arguments_told
 @dataclass(frozen=True, eq=False)
 class Table(_Leaf, metaclass=Tidy):
     """Points (x, y) joined by straight lines ("linear"), a spline ("cubic") or held from the left ("step").
@@ -355,6 +358,7 @@ class Table(_Leaf, metaclass=Tidy):
         return Expr("table", self, as_expr(x))
 
 
+@by_name_only
 def sense(path: str) -> Expr:
     """An output of another block as a signal (feedback), for example sense("motor.w")."""
     if not isinstance(path, str) or not path:
@@ -388,9 +392,3 @@ def number_or_zero(x: Any) -> float:
     """The same, and 0 where it has none."""
     value = constant_value(x)
     return 0.0 if math.isnan(value) else value
-
-
-# misspelt and missing names are told with those that there are
-Parameter.__init__ = by_name_only(Parameter.__init__)  # type: ignore[method-assign]
-Input.__init__ = by_name_only(Input.__init__)  # type: ignore[method-assign]
-Table.__init__ = by_name_only(Table.__init__)  # type: ignore[method-assign]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, final
 
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, by_name_only
 
 ROLLING = "rolling"
 """The same with nothing given besides what the bodies give."""
@@ -37,6 +37,7 @@ class Rolling:
         return hash(tuple(sorted(self.values.items())))
 
 
+@by_name_only
 def rolling(values: Mapping[str, float | str] | None = None) -> Rolling:
     """A start in which the train turns as one piece: `initial=gb.rolling({"motor.w": 300})`.
 

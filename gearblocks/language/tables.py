@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import ParameterError
+from gearblocks.errors import ParameterError, arguments_told
 from gearblocks.language.expression import Expr, as_expr
 from gearblocks.language.signals import Table, check_increasing, points_in_si
 from gearblocks.language.tidy import Tidy
@@ -20,6 +20,7 @@ from gearblocks.language.tidy import Tidy
 Grid = NDArray[np.float64]
 
 
+@arguments_told
 @dataclass(frozen=True, eq=False)
 class Table2(metaclass=Tidy):
     """Points z over a grid of x and y, joined bilinearly ("linear") or by splines along both axes ("cubic").

@@ -7,7 +7,7 @@ import re
 from fractions import Fraction
 from functools import cache
 from types import MappingProxyType
-from typing import Any, NamedTuple, overload
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -359,12 +359,24 @@ def row_in_si(what: str, values: Any, unit: str) -> NDArray[np.float64]:
     return row
 
 
+def frequencies_in_si(what: str, values: Any) -> NDArray[np.float64]:
+    """Frequencies of an oscillation [rad/s], as of `row_in_si`; among them some in Hz, whose cycle is 2 pi."""
+    cells = [values] if has_unit(values) else values
+    listed = [_angular(what, x) if has_unit(x) else x for x in cells] if isinstance(cells, (list, tuple)) else cells
+    return row_in_si(what, listed, "rad/s")
+
+
+def _angular(what: str, value: Any) -> float:
+    number, unit = _read(f"{what} = {_shown(value)}", value, parse_unit("rad/s"))
+    cycles = unit.cycles == 1 and unit.measures(parse_unit("Hz"))
+    return 2 * math.pi * unit.in_si(number) if cycles else number_in_si(what, value, "rad/s")
+
+
 def _shown(value: Any) -> str:
     return f"{value!r:.80}" if isinstance(value, str) else str(value)
 
 
-def _text(units: Any) -> str:
-    """Units of pint in our words."""
+def _text(units: Any) -> str:  # of pint, in our words
     return format(units, "~C").replace("**", "^")
 
 
@@ -386,14 +398,3 @@ def _read(what: str, value: Any, wanted: Unit) -> tuple[float, Unit]:
         example = f"'3 {wanted.text}'" if wanted.text not in ("", "1") else "3"
         raise ParameterError(f"{what} must be a number, or text of a number with its unit such as {example}")
     return float(number), check_unit(what, behind)
-
-
-@overload
-def rpm(speed: float) -> float: ...
-@overload
-def rpm(speed: NDArray[Any] | list[float] | tuple[float, ...]) -> NDArray[np.float64]: ...
-def rpm(speed: Any) -> Any:
-    """Revolutions per minute as rad/s, for a number or an array."""
-    if isinstance(speed, (int, float)):
-        return speed / 60.0 * (2.0 * math.pi)
-    return np.asarray(speed, dtype=np.float64) / 60.0 * (2.0 * math.pi)

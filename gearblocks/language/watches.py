@@ -10,12 +10,14 @@ from dataclasses import dataclass, replace
 from math import isfinite
 from typing import Any, final
 
+from gearblocks.errors import arguments_told
 from gearblocks.language.expression import Expr, evaluate
 from gearblocks.language.signals import Table, constant_value
 from gearblocks.language.tidy import Tidy
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Watch(metaclass=Tidy):
     """An output of a block that shows that an effect would act: its size exceeds `limit` [its unit], or, without one, its sign
@@ -40,6 +42,7 @@ def beyond(table: Any, output: str) -> Iterator[Watch]:
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, slots=True)
 class Excitation(metaclass=Tidy):
     """What excites a train: order times the speed of a flange against another one (None: the ground), or a frequency

@@ -7,12 +7,13 @@ of runs.
 from __future__ import annotations
 
 import fnmatch
+import re
 import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, final, overload
 
-from gearblocks.errors import ParameterError, UnknownNameError, did_you_mean
+from gearblocks.errors import ParameterError, UnknownNameError, arguments_told, did_you_mean
 from gearblocks.language.block import Block
 from gearblocks.language.signals import Input
 from gearblocks.language.units import parse_unit
@@ -38,6 +39,7 @@ class Listed(NamedTuple):
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, repr=False)
 class Listing(Sequence[Listed]):
     """What was found, part by part; prints as a table. what: "outputs", "parameters", "inputs" or "flanges"."""
@@ -187,6 +189,11 @@ def matches(name: str, pattern: str) -> bool:
 def near_patterns(pattern: str, names: Iterable[str]) -> str:
     """The question whether a near name was meant, or, of a pattern with `*`, a near one that matches something."""
     known = list(names)
+    pieces = [x for x in re.split(r"[\s,;]+", pattern) if x]
+    if len(pieces) > 1 and all(any(matches(name, piece) for name in known) for piece in pieces):
+        return f" - patterns are given one by one: {', '.join(map(repr, pieces))}"
+    if any(name.startswith(f"{pattern}.") for name in known):
+        return f" - did you mean '{pattern}.*'?"
     if "*" in pattern or "?" in pattern:
         splits = [(name[:i], name[i + 1 :]) for name in known for i, c in enumerate(name) if c == "."]
         known = [*dict.fromkeys(x for head, tail in splits for x in (f"{head}.*", f"*.{tail}")), *known]

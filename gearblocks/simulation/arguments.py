@@ -53,6 +53,8 @@ def sample_times(begin: float, t_end: float | str | None, t: ArrayLike | None) -
     """The samples (None: every accepted step) and the end of the run."""
     if (t is None) == (t_end is None):
         raise ParameterError("give either t_end (records every step) or t (an array of sample times)")
+    if isinstance(t_end, (tuple, list)):
+        raise ParameterError(f"t_end = {t_end!r:.80} must be a number; a run from another time than 0 has t_start= too")
     if t is None:
         assert t_end is not None
         end = seconds("t_end", t_end)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import ParameterError, UnknownNameError, by_name_only
+from gearblocks.errors import ParameterError, UnknownNameError, arguments_told, by_name_only
 from gearblocks.pages import small_table
 from gearblocks.simulation import plotting
 from gearblocks.simulation.solution import between_samples, values_at
@@ -35,6 +35,7 @@ class Difference(NamedTuple):
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, slots=True, eq=False)
 class Comparison:
     """What `gb.compare` found: rows of Difference, the largest share first; t [s] and both tables, shape (len(t), outputs)."""
@@ -80,7 +81,6 @@ class Comparison:
         head = ("output", "of its size", "largest", "unit", "at")
         return small_table(" against ".join(self.titles), rows, head=head, numbers=(1, 2, 4))
 
-    @by_name_only
     def plot(self, *, path: str | os.PathLike[str] | None = None) -> Figure:
         """Both runs over each other; saved to `path`. Raises StorageError."""
         units = {row.name: row.unit for row in self.rows}

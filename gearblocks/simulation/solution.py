@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.errors import ParameterError, by_name_only
+from gearblocks.errors import ParameterError, arguments_told
 from gearblocks.language.units import seconds
 from gearblocks.simulation.case import Case
 from gearblocks.simulation.needs import Along, Needs, Solution
@@ -45,6 +45,7 @@ class Extremes(NamedTuple):
 
 
 @final
+@arguments_told
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Spectrum:
     """Amplitudes [unit] of the parts of an output, by name, at frequencies [Hz], shape (n,) each. It unpacks into both."""
@@ -66,7 +67,6 @@ class Spectrum:
             f"{self.frequency[top]:.6g} Hz, lines {self.frequency[1]:.4g} Hz apart up to {self.frequency[-1]:.4g} Hz>"
         )
 
-    @by_name_only
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure:
         """Amplitudes but the mean over the frequency, up to where all of them are less than a hundredth of the largest; saved
         to `path` where given."""

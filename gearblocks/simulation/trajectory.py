@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from gearblocks.errors import ParameterError, UnknownNameError, by_name_only, did_you_mean, missing_attribute
+from gearblocks.errors import ParameterError, UnknownNameError, arguments_told, did_you_mean, missing_attribute
 from gearblocks.language.units import check_unit
 from gearblocks.model.listing import matches
 from gearblocks.pages import small_table
@@ -36,6 +36,7 @@ RESERVED = ("t", "event_t", "event_component", "event_kind", "event_before", "ev
 
 
 @final
+@arguments_told
 class Trajectory:
     """One run: `run.t` [s] and `run["mesh.force"]`, both float64 arrays that cannot be written to.
 
@@ -200,6 +201,8 @@ class Trajectory:
         """
         hits: set[str] = set()
         for pattern in patterns:
+            if not isinstance(pattern, str):
+                raise ParameterError(f"outputs are given one by one as text, such as 'mesh.*', not {pattern!r:.80}")
             found = [name for name in self._columns if matches(name, pattern)]
             if not found:
                 raise UnknownNameError(self._unknown("output", pattern))
@@ -213,10 +216,16 @@ class Trajectory:
     def _unknown(self, what: str, name: object) -> str:
         if not self._columns:
             return f"the run has no {what} {name!r}: it has no outputs at all"
-        return f"the run has no {what} {name!r}{_hint(str(name), self.names)}"
+        if isinstance(name, (tuple, list)):
+            return f"{list(name)!r:.80} are asked for at once: write run[name] for each, or run.select(*names)"
+        way = (
+            f"; write run.select({name!r})"
+            if isinstance(name, str) and any(matches(n, name) for n in self.names)
+            else ""
+        )
+        return f"the run has no {what} {name!r}{way or _hint(str(name), self.names)}"
 
     # -- between the samples ----------------------------------------------------------------------------------
-    @by_name_only
     def extremes(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> Extremes:
         """(low, low_at, high, high_at): the lowest and the highest value of an output [its unit] and their times [s], located
         on the solution between the samples, in a window [s]. Equal to gb.trough and gb.peak. Raises UnknownNameError,
@@ -225,17 +234,14 @@ class Trajectory:
 
         return solution.extremes(self, self.case, self._known(name), solution.window_of(self, after, before))
 
-    @by_name_only
     def rms(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> float:
         """Root mean square of an output [its unit] over time, integrated; equal to gb.rms."""
         return self._along("rms", name, after, before)
 
-    @by_name_only
     def mean(self, name: str, *, after: float | str | None = None, before: float | str | None = None) -> float:
         """Mean of an output [its unit] over time, integrated; equal to gb.mean."""
         return self._along("mean", name, after, before)
 
-    @by_name_only
     def spectrum(
         self, name: str, *, after: float | str | None = None, before: float | str | None = None, samples: int | None = None,
     ) -> Spectrum:  # fmt: skip
@@ -247,7 +253,6 @@ class Trajectory:
         window = solution.window_of(self, after, before)
         return solution.spectrum(self, self.case, self._known(name), self.units.get(name, "1"), window, samples)
 
-    @by_name_only
     def between(self, t0: float | str, t1: float | str, *, samples: int = 1001) -> Trajectory:
         """The part from t0 to t1 [s] at so many equal distances, found by running it again; events as they were."""
         from gearblocks.simulation import solution
@@ -280,7 +285,6 @@ class Trajectory:
         return name
 
     # -- elsewhere ----------------------------------------------------------------------------------------------
-    @by_name_only
     def plot(self, *names: str, path: str | os.PathLike[str] | None = None) -> Figure:
         """Figure of outputs (names or patterns, else all) over time, one panel per unit; saved to `path`. Between the samples
         curves follow the solution; what takes whole numbers only is drawn in steps; ticks at the foot are events."""

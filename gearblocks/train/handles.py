@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
-from typing import Any, Protocol, final
+from typing import TYPE_CHECKING, Any, Protocol, final
 
-from gearblocks.errors import ModelError, UnknownAttributeError, did_you_mean
+from gearblocks.errors import STAYS, ModelError, UnknownAttributeError, did_you_mean
 from gearblocks.language.block import Block
 from gearblocks.train.summary import field_texts
 
@@ -16,6 +16,31 @@ class Composition(Protocol):
 
     @property
     def _exposed(self) -> Mapping[str, tuple[str, str]]: ...
+
+
+class PartsByName:
+    """What is asked by brackets, `in`, `len` and `for`, and not changed by them."""
+
+    _parts: dict[str, Any]
+
+    def __iter__(self) -> Iterator[str]:
+        """The names of the parts."""
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        """How many parts there are."""
+        return len(self._parts)
+
+    def __bool__(self) -> bool:
+        return True  # without parts, too
+
+    if not TYPE_CHECKING:  # so that a type checker finds these
+
+        def __setitem__(self, path: str, _: object) -> None:
+            raise ModelError(f"rig[{path!r}] = ... changes nothing: rig.set({{{path!r}: ...}}) makes a changed train")
+
+        def __delitem__(self, path: str) -> None:
+            raise ModelError(f"del rig[{path!r}]: {STAYS}")
 
 
 @final
@@ -143,6 +168,8 @@ def main_ends(owner: Any, part: Any) -> list[tuple[str, str]]:
         way = f"write rig['{part}']" if isinstance(part, str) and part in owner else "use the handle that add returned"
         if isinstance(part, (list, tuple)):
             way = "give parts one by one, as chain(one, other), or chain(*parts)"
+        elif isinstance(part, FlangeHandle):
+            way = f"a chain goes through parts, here {part.part}; flanges are joined by rig.connect"
         raise ModelError(f"{part!r:.80} is no part of '{owner.name}': {way}")
     main = _main_flanges(type(part._part)) if isinstance(part._part, Block) else part.flanges
     if not 1 <= len(main) <= 2:

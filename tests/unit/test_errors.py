@@ -1,7 +1,11 @@
 """Errors say everything they know, and survive the way between processes."""
 
+from __future__ import annotations
+
 import pickle
+from inspect import CO_VARKEYWORDS
 from operator import attrgetter
+from types import FunctionType
 
 import pytest
 
@@ -13,6 +17,7 @@ from gearblocks.errors import (
     ParameterError,
     SimulationError,
     UnknownNameError,
+    arguments_told,
     by_name_only,
     did_you_mean,
 )
@@ -78,7 +83,7 @@ def test_values_that_are_missing_misspelt_or_without_a_name_are_told_with_the_ca
         _measured("rig", 2.0)  # type: ignore[call-arg]
     with pytest.raises(ParameterError, match=f"_measured needs train and over; {call}"):
         _measured()  # type: ignore[call-arg]
-    with pytest.raises(ParameterError, match=f"has no argument 'length'; it has over, step; {call}"):
+    with pytest.raises(ParameterError, match=f"has no argument 'length'; it has over, speed, step, train; {call}"):
         _measured("rig", length=3.0)  # type: ignore[call-arg]
     with pytest.raises(ParameterError, match="did you mean 'over'"):
         _measured("rig", ovr="mesh")  # type: ignore[call-arg]
@@ -94,7 +99,9 @@ def _shown(first: str, *others: str, path: str = "") -> tuple[str, tuple[str, ..
 
 def test_a_function_of_any_number_of_values_takes_them_and_names_what_it_has_not() -> None:
     assert _shown("a", "b", "c", path="d") == ("a", ("b", "c"), "d")
-    with pytest.raises(ParameterError, match="has no argument 'file'; it has path; write _shown\\(first, \\*others\\)"):
+    with pytest.raises(
+        ParameterError, match="has no argument 'file'; it has first, path; write _shown\\(first, \\*others\\)"
+    ):
         _shown("a", file="d")  # type: ignore[call-arg]
     with pytest.raises(ParameterError, match="_shown needs first"):
         _shown()  # type: ignore[call-arg]
@@ -105,3 +112,57 @@ def test_what_other_packages_call_a_thing_is_no_name_here_and_leads_to_one(name:
     with pytest.raises(AttributeError, match=f"here it is gb.{ELSEWHERE[name]}$"):
         getattr(gb, name)
     assert attrgetter(ELSEWHERE[name])(gb) is not None
+
+
+@arguments_told
+class _Box:
+    def __init__(self, width: float) -> None:
+        self.width = width
+
+    def wider(self, by: float) -> float:
+        return self.width + by
+
+    def text(self) -> str:
+        return str(self.width)
+
+    def changed(self, **values: float) -> dict[str, float]:
+        return values
+
+    @staticmethod
+    def of(side: float) -> _Box:
+        return _Box(side)
+
+
+def test_a_class_tells_of_the_arguments_of_all_its_methods() -> None:
+    assert _Box.of(2.0).wider(by=1.0) == 3.0 and _Box(width=1.0).changed(width=2.0) == {"width": 2.0}
+    for wrong, words in (
+        (lambda: _Box(1.0, 2.0), "_Box: 2.0 is more than it takes; it takes width"),
+        (lambda: _Box(1.0).wider(), r"wider needs by; write wider\(by\)"),
+        (lambda: _Box(1.0).wider(1.0, by=2.0), "wider: by is given twice, by its place and by its name"),
+        (lambda: _Box.of(edge=1.0), "of has no argument 'edge'; it has side"),
+        (lambda: _Box(1.0).text(3), "text: 3 is more than it takes; it takes nothing"),
+        (lambda: _Box(1.0).text("box.txt"), r"written to a file by pathlib.Path\('box.txt'\).write_text"),
+    ):
+        with pytest.raises(ParameterError, match=words):
+            wrong()  # type: ignore[no-untyped-call]
+
+
+def test_public_functions_and_methods_answer_wrong_arguments_in_words() -> None:
+    made = {"Trajectory", "Model", "Linearization", "Modes", "Campbell", "FrequencyResponse", "Study", "Quantity"}
+    for name in gb.__all__:
+        thing = getattr(gb, name)
+        if not callable(thing) or (isinstance(thing, type) and issubclass(thing, BaseException)):
+            continue
+        if name not in made:
+            with pytest.raises(gb.GearblocksError):
+                thing(no_such_argument=1)
+        of_users = isinstance(thing, type) and not issubclass(thing, (gb.Block, gb.Effect, gb.Quantity, gb.Model))
+        for member, function in vars(thing).items() if of_users else ():
+            plain = isinstance(function, FunctionType) and not function.__code__.co_flags & CO_VARKEYWORDS
+            if plain and not member.startswith("_"):
+                assert hasattr(function, "__wrapped__"), f"{name}.{member}"
+
+
+def test_a_beginning_is_near() -> None:
+    assert did_you_mean("spline", ["spline_coupling", "gear_pair"]) == " - did you mean 'spline_coupling'?"
+    assert did_you_mean("sp", ["spline_coupling", "gear_pair"]) == ""

@@ -16,7 +16,7 @@ from gearblocks.analysis.span import program_span
 from gearblocks.analysis.study_point import Measure
 from gearblocks.analysis.study_task import measures_of, names_of
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, by_name, by_name_only
+from gearblocks.errors import ParameterError, arguments_told, by_name
 from gearblocks.language.expression import finite_number
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.running import build
@@ -24,6 +24,7 @@ from gearblocks.simulation.arguments import Start, begin_of, sample_times
 
 
 @final
+@arguments_told
 @told
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene(metaclass=Tidy):
@@ -122,6 +123,3 @@ def check_scene(function: str, scene: object) -> None:
         raise ParameterError(
             f"{function} takes a gb.Scene, not {scene!r:.80}: ask something of the train, such as {such}"
         )
-
-
-Scene.__init__ = by_name_only(Scene.__init__)  # type: ignore[method-assign]  # misspelt names are told with the near ones

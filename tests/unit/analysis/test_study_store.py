@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -88,6 +89,37 @@ def test_functions_are_told_apart_by_what_they_have_from_around_them(clutch_mode
     _swept(clutch_model, tmp_path / "in.zarr", inputs={"tau": _constant(1.0)}, **few)
     with pytest.raises(gb.errors.StorageError, match="what differs: the inputs"):
         _swept(clutch_model, tmp_path / "in.zarr", inputs={"tau": _constant(2.0)}, **few)
+
+
+class _Scaled:
+    """Counts its calls, as objects that are called do."""
+
+    def __init__(self, k: float) -> None:
+        self.k, self.calls = k, 0
+
+    def __call__(self, run: gb.Trajectory) -> float:
+        self.calls += 1
+        return self.k * float(run["shaft.torque"][-1])
+
+    def halved(self, run: gb.Trajectory) -> float:
+        return self(run) / 2
+
+
+def _by(k: float, run: gb.Trajectory) -> float:
+    return k * float(run["shaft.torque"][-1])
+
+
+def test_objects_that_are_called_are_told_apart_by_what_they_hold(clutch_model: gb.Model, tmp_path: Path) -> None:
+    few = {"values": {"shaft.k": [100.0]}, "t_end": 0.01}
+    counting = _Scaled(1.0)
+    for quantity, other in (
+        (counting, _Scaled(2.0)), (partial(_by, 1.0), partial(_by, 2.0)), (counting.halved, counting.__call__),
+    ):  # fmt: skip
+        store = tmp_path / f"{type(quantity).__name__}.zarr"
+        first = _swept(clutch_model, store, quantity=quantity, **few)
+        assert _swept(clutch_model, store, quantity=quantity, **few).values.tobytes() == first.values.tobytes()
+        with pytest.raises(gb.errors.StorageError, match="what differs: the quantities"):
+            _swept(clutch_model, store, quantity=other, **few)
 
 
 def test_a_store_of_another_train_is_refused(clutch_model: gb.Model, tmp_path: Path) -> None:

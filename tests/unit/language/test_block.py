@@ -66,3 +66,29 @@ def test_two_classes_of_one_name_in_a_train_are_refused() -> None:
     rig.chain(*parts, rig.add("wheel", gb.Inertia(J=1.0)))
     with pytest.raises(gb.ModelError, match="two classes of blocks are named Cell"):
         gb.build(rig)
+
+
+class _Drag(gb.Effect):
+    c: float = gb.param("damping", "N m s/rad", ge=0)
+
+
+class _Bearing(gb.Block):
+    """A body with a drag that is there unless it is left out."""
+
+    a = gb.Flange("shaft", spare=True)
+    drag: _Drag | None = gb.effect("drag", default=_Drag(c=0.1))
+
+    def physics(self, s: Any) -> Iterator[Any]:
+        yield gb.Body(s.a, 1.0)
+        if self.drag is not None:
+            yield gb.Acts(s.a, -s.drag.c * s.a.w)
+
+
+def test_an_effect_that_is_there_by_default_is_one_that_can_be_left_out() -> None:
+    rig = gb.Drivetrain("rig")
+    rig.add("bearing", _Bearing())
+    assert rig.effects() == {"bearing.drag": _Drag(c=0.1)}
+    free = rig.without("bearing.drag")
+    assert free["bearing"].part == _Bearing(drag=None) and not free.effects()
+    assert gb.simulate(rig, t_end=1.0, initial={"bearing.w": 1.0})["bearing.a.w"][-1] < 0.95
+    assert gb.simulate(free, t_end=1.0, initial={"bearing.w": 1.0})["bearing.a.w"][-1] == 1.0

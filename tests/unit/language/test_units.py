@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from gearblocks.errors import ParameterError
-from gearblocks.language.units import base_exponents, number_in_si, parse_unit, rpm
+from gearblocks.language.functions import rpm
+from gearblocks.language.units import base_exponents, frequencies_in_si, number_in_si, parse_unit
 
 
 @pytest.mark.parametrize(
@@ -180,3 +181,12 @@ def test_a_value_in_a_unit_and_back_is_the_value(unit):
     found = parse_unit(unit)
     for value in (*range(1, 400), *(n / 10 for n in range(1, 200)), 3500, 500, 1e-7, 123456.789):
         assert found.of_si(found.in_si(float(value))) == value
+
+
+def test_a_frequency_in_hertz_is_one_of_an_oscillation() -> None:
+    found = frequencies_in_si("frequencies", ["50 Hz", "3000 rpm", 3.0, "1 kHz", "2 rad/s", "3 1/s"])
+    assert found.tolist() == [100 * math.pi, 100 * math.pi, 3.0, 2000 * math.pi, 2.0, 3.0]
+    assert frequencies_in_si("frequencies", "50 Hz").tolist() == [100 * math.pi]
+    assert frequencies_in_si("frequencies", np.array([1.0, 2.0])).tolist() == [1.0, 2.0]
+    with pytest.raises(ParameterError, match="frequencies = '3 mm' is in mm"):
+        frequencies_in_si("frequencies", "3 mm")

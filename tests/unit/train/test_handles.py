@@ -134,3 +134,10 @@ def test_a_handle_shows_its_values_as_they_were_given() -> None:
     rig = gb.Drivetrain("rig")
     shaft = rig.add("shaft", gb.Shaft(k="20 kN m/rad", c=4e-5))
     assert repr(shaft) == repr(rig["shaft"]) == "<shaft: Shaft(k = 20 kN m/rad, c = 4e-5 N m s/rad)>"
+
+
+def test_a_train_counts_its_parts_and_is_true_without_any() -> None:
+    rig = _rig()
+    assert len(rig) == len(list(rig)) == 3
+    empty = gb.Drivetrain("empty")
+    assert len(empty) == 0 and bool(empty)
