@@ -72,9 +72,13 @@ class DynamicFactor(Quantity):
         for output in (f"{self.component}.force", *self._outputs()):
             if output not in span.units:
                 meshes = [x.rpartition(".")[0] for x in span.units if x.endswith(".force")]
-                near = did_you_mean(self.component, meshes)
+                component = str(self.component)
+                near = f"; name the part, '{part}'" if (part := component.rpartition(".")[0]) in meshes else ""
                 name = output.rpartition(".")[2]
-                raise UnknownNameError(f"{self.name}: '{self.component}' has no output '{name}'; meshes have{near}")
+                raise UnknownNameError(
+                    f"{self.name}: '{component}' is no part with an output '{name}', as meshes have"
+                    f"{near or did_you_mean(component, meshes)}"
+                )
         self.window(span)
         return "1"
 

@@ -96,5 +96,5 @@ def test_a_function_keeps_its_name_words_and_signature() -> None:
     assert str(inspect.signature(f)) == "(a: 'int', b: 'int' = 2, *, c: 'int' = 3) -> 'int'"
     with pytest.raises(gb.ParameterError, match="f: 4 is given without a name; name it: c"):
         f(1, 2, 4)
-    with pytest.raises(gb.ParameterError, match="f has no argument 'd'; it has c"):
+    with pytest.raises(gb.ParameterError, match="f has no argument 'd'; it has a, b, c"):
         f(1, d=3)

@@ -73,7 +73,7 @@ def test_a_mesh_on_the_coast_side_has_the_same_factor() -> None:
 
 
 def test_what_has_no_dynamic_factor_is_refused(run: gb.Trajectory, tmp_path) -> None:
-    with pytest.raises(gb.UnknownNameError, match="'shaft_in' has no output 'force'"):
+    with pytest.raises(gb.UnknownNameError, match="'shaft_in' is no part with an output 'force'"):
         gb.dynamic_factor("shaft_in").of(run)
     with pytest.raises(gb.ParameterError, match="must be one of contact, print"):
         gb.dynamic_factor("spline", "peak").of(run)
