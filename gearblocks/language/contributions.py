@@ -103,9 +103,9 @@ class Rate(metaclass=Tidy):
 class Hold(metaclass=Tidy):
     """A state that stays as it is until `when` comes to 1, or to -1, at an event; it then takes `value` of that instant.
 
-    when: an expression of conditions that the law has anyway (the side of a contact, say), -1, 0 or 1. inverse_speed: the
-    value is one over a speed. It is 0 where there is none: what the switch of `when` reads rested on its limit as the step
-    began, or the speed is rounding beside the largest of the train.
+    when: an expression of conditions (the side of a contact, say), -1, 0 or 1. inverse_speed: the value is one over a speed.
+    It is 0 where there is none: what the switch of `when` reads rested on its limit as the step began, or the speed is rounding
+    beside the largest of the train.
     """
 
     state: Any

@@ -263,8 +263,8 @@ def unlocated(law: Law) -> frozenset[str]:
 
 
 def _frozen(law: Law, declared: Iterable[Switch], sensed: frozenset[str]) -> Law:
-    """The law with the conditions of its dynamics as modes; outputs read these modes and locate nothing of their own, but for
-    those that are `sensed`."""
+    """The law with the conditions of its dynamics as modes, those by which states are set among them; outputs read these modes
+    and locate nothing of their own, but for those that are `sensed`."""
     pool, freezer = law.pool, Freezer(law.pool, sizes_of_slips(law.pool, law.constraints))
 
     def new(expr: Any) -> Any:
@@ -278,6 +278,7 @@ def _frozen(law: Law, declared: Iterable[Switch], sensed: frozenset[str]) -> Law
     }
     frozen.constraint_loss = constraint_loss(pool, frozen.constraints)
     frozen.shows = [replace(x, expr=freezer.freeze(x.expr)) if x.name in sensed else x for x in frozen.shows]
+    frozen.holds = [(state, value, freezer.freeze(when)) for state, value, when in frozen.holds]
     freezer.locating = False
     frozen = frozen.map(freezer.freeze, READ)
     frozen.switches = freezer.switches

@@ -26,7 +26,7 @@ from gearblocks.analysis.regimes.exponents import LyapunovExponents, longer, tol
 from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.second_frequency import second_frequency
-from gearblocks.analysis.regimes.settling import Nearing, misses, nearing
+from gearblocks.analysis.regimes.settling import Nearing, leaving, misses, nearing
 from gearblocks.analysis.regimes.sizes import sized
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
@@ -48,6 +48,7 @@ _GROWN = 10.0  # times the size of the quarter before: the motion grows
 _ROUNDS = 200  # times the periods so far, in which what grows without bound leaves all numbers
 _SAME_MULTIPLIERS = 1e-3  # of two tolerances, per period: errors of maps over many periods multiply
 _REPEATS = 1e-4  # of the sizes: a torus that comes as near to itself is hardly one
+_STANDS = 1e-7  # of the sizes: no motion whose differences grow repeats so well but one on an orbit
 _APART = 1e-3  # of the sizes: orbits that are further apart are two
 
 
@@ -218,6 +219,11 @@ class Asked:
             if not (self.lasting and _positive(last)):
                 break
         if _positive(first) and _positive(last):
+            off = misses(points, seen, neutral, self.longest)[drives - 1 :: drives] if drives else np.array([np.inf])
+            if off.min(initial=np.inf) <= _STANDS and (
+                found := leaving(seen, points, neutral, drives * (int(np.argmin(off)) + 1), drives, after)
+            ):
+                return _left(found, last)
             return _chaos(seen, points[-1], neutral, last, after)
         if not _positive(last):
             return self._torus(seen, points, neutral, drives, last, after)
@@ -245,7 +251,8 @@ class Asked:
         if second is None:
             words = f"points miss each other by {nearest:.1e} of their size at the least, and no second frequency shows"
             return Regime("unresolved", (words, told, "give a longer transient"), exponents=last)
-        return Regime("quasi-periodic", (second, told), exponents=last)
+        found = leaving(seen, points, neutral, drives, drives, after)
+        return _left(found, last) if found else Regime("quasi-periodic", (second, told), exponents=last)
 
     def _long_periodic(
         self, seen: Strobe, neutral: Neutral, drives: int, last: LyapunovExponents, longest: int
@@ -308,6 +315,19 @@ def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:
     closes = f"shooting finds an orbit of least period {orbit.periods} that closes to {orbit.closure:.1e}"
     aside = f"; {', '.join(neutral.words)}: neutral, multiplier 1" if neutral.words else ""
     return (f"{closes}, with the largest multiplier {largest}{aside}{_ahead_words(orbit)}", nears)
+
+
+def _left(found: Nearing, last: LyapunovExponents) -> Regime:
+    """Of a motion next to an orbit that is not stable."""
+    largest = abs(found.orbit.multipliers[0]) ** (1 / found.orbit.periods)
+    words = f"an orbit of period {found.orbit.periods} that is not stable, with a multiplier of {largest:.9g} a period"
+    if not found.periods:
+        return Regime(
+            "unresolved", (f"the motion stands on {words}", "begin beside it"), orbit=found.orbit, exponents=last
+        )
+    sizes = f"from {found.before:.4g} to {found.after:.4g} of its size in {found.periods} periods"
+    moves = f"the motion moves away from {words}, as it says: {sizes}"
+    return Regime("unresolved", (moves, "give a longer transient"), orbit=found.orbit, exponents=last)
 
 
 def _ahead_words(orbit: PeriodicOrbit) -> str:

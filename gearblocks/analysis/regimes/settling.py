@@ -26,6 +26,9 @@ _PHASES = 4  # of it, that shooting begins from
 _CANDIDATES = 5
 ARRIVED = 1e-6
 """Of the sizes: nearer than that the motion is the orbit."""
+_STANDS = 1e-9  # of the sizes: the motion is on an orbit that is not stable
+_AWAY = 1000  # periods over which it is watched whether it moves away
+_GROWN = 1e-5  # by which it has grown then
 _AS_SAID = 0.1  # of the distance that multipliers let expect
 _LONGER = 4  # times as many periods are looked at where that is not said yet
 _LOOKS = 4
@@ -75,6 +78,29 @@ def nearing(seen: Strobe, points: Array, neutral: Neutral, base: int, longest: i
             if found is not None:
                 return found
     return None
+
+
+def leaving(seen: Strobe, points: Array, neutral: Neutral, m: int, base: int, after: int) -> Nearing | None:
+    """The unstable orbit of m periods that a motion stands on, or moves away from as the multipliers say, or None; the rest as
+    of `nearing`."""
+    y = points[-1 - after % base]
+    orbit = shoot(seen, y, m, neutral, base)
+    if orbit is None or orbit.stable or abs(orbit.multipliers[:1]).max(initial=0.0) <= 1.0 + _MARGINAL:
+        return None
+    target = _at_phase(seen, y, orbit, neutral)
+    before = _distance(seen, neutral, y, target)
+    if before <= max(_STANDS, 100 * orbit.closure):
+        return Nearing(orbit, before, before, 0)
+    periods = orbit.periods * max(1, _AWAY // orbit.periods)
+    with np.errstate(over="ignore", invalid="ignore"):
+        expected = _expected(seen, orbit, neutral, y, target, periods)
+        grown = np.linalg.norm(expected) / np.linalg.norm(neutral.apart(seen.off(y, target))) - 1.0
+    if not _GROWN < grown < np.inf:
+        return None
+    left = neutral.apart(seen.off(seen.follow(y, periods).states[-1], target))
+    if np.abs(left - expected).max() > _AS_SAID * grown * before:
+        return None
+    return Nearing(orbit, before, float(np.abs(left).max()), periods)
 
 
 def _nears(seen: Strobe, y: Array, orbit: PeriodicOrbit, neutral: Neutral) -> Nearing | None:

@@ -171,6 +171,32 @@ def test_a_user_can_hold_a_value_of_the_instant_at_which_a_condition_begins():
     assert "seen_peak = " in str(rig.equations())
 
 
+def test_a_condition_that_nothing_else_reads_sets_a_state_too():
+    class Samples(gb.Block):
+        """x -> 3.2 x (1 - x) as each second begins, and how often."""
+
+        x = gb.State("sample", start=0.3)
+        count = gb.State("samples")
+
+        def physics(self, s):
+            begun = gb.sin(2 * np.pi * (s.time - 0.25)) >= 0
+            on = gb.piecewise((1, begun), (0, True))
+            yield gb.Hold(s.x, 3.2 * s.x * (1 - s.x), on)
+            yield gb.Hold(s.count, s.count + 1, on)
+            yield gb.Shows("x", s.x)
+            yield gb.Shows("count", s.count)
+
+    rig = gb.Drivetrain("sampled")
+    rig.add("samples", Samples())
+    rig.chain(rig.add("body", gb.Inertia(J=1.0)), rig.add("spring", gb.Shaft(k=9.0)), rig.add("g", gb.Fixed()))
+    run = gb.simulate(rig, t=np.arange(9.0))
+    x = [0.3]
+    for _ in range(8):
+        x.append(3.2 * x[-1] * (1 - x[-1]))
+    assert run["samples.count"] == pytest.approx(np.arange(9))
+    assert run["samples.x"] == pytest.approx(x, rel=1e-14)
+
+
 @pytest.mark.parametrize(("fields", "words"), [
     ({"contact_damping": gb.HuntCrossley(restitution=0.0)}, "contact_damping.restitution = 0.0 must be > 0"),
     ({"contact_damping": gb.HuntCrossley(restitution=1.5)}, "restitution = 1.5 must be <= 1"),
