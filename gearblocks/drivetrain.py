@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 from gearblocks.errors import ModelError, arguments_told, by_name, did_you_mean, missing_attribute
 from gearblocks.files import as_path
-from gearblocks.language.block import Block
+from gearblocks.language.block import Block, Effect
 from gearblocks.language.expression import as_expr
 from gearblocks.language.fields import Flange
 from gearblocks.language.units import declared
@@ -390,6 +390,8 @@ def _part_problems(path: str, part: Any) -> Iterator[str]:
     """What is wrong with something that is to be a part."""
     if isinstance(part, type):
         yield f"'{path}': {part.__name__} is a class: make one with its values, such as {part.__name__}(...)"
+    elif isinstance(part, Effect):
+        yield f"'{path}': {part!r:.80} is an effect, no part: give it to a block, as in GearMesh(backlash=gb.Backlash(...))"
     elif not isinstance(part, (Block, Drivetrain)):
         yield f"'{path}': {part!r:.200} is neither a block nor a Drivetrain"
     elif isinstance(part, Block):

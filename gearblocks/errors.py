@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import wraps
 from inspect import CO_VARARGS, CO_VARKEYWORDS
+from numbers import Integral, Real
 from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
@@ -166,7 +167,8 @@ _FUNCTIONS = ("build", "simulate", "modes", "linearize", "sweep", "study", "camp
 
 
 def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """The function, with ParameterErrors for values without a name that need one, and for names that it has not."""
+    """The function, with ParameterErrors for values without a name that need one, for names that it has not, and, where it ends
+    in an error of Python's, for values of another sort than its annotations say."""
     code, defaults = function.__code__, function.__kwdefaults__ or {}
     n, name = code.co_argcount, function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
     any_number = code.co_flags & CO_VARARGS
@@ -177,8 +179,7 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     names = [f"*{code.co_varnames[len(known)]}"] if any_number else []
     call = f"{name}({', '.join([*by_place[first:], *names, *(f'{x}=...' for x in by_name)])})"
 
-    @wraps(function)
-    def checked(*given: _P.args, **named: _P.kwargs) -> _R:
+    def called(*given: _P.args, **named: _P.kwargs) -> _R:
         if not named and not by_name and len(by_place) <= len(given) <= n:
             return function(*given, **named)
         if len(given) > n and not any_number:
@@ -199,7 +200,64 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
             raise ParameterError(f"{name} needs {' and '.join(missing)}; write {call}")
         return function(*given, **named)
 
+    @wraps(function)
+    def checked(*given: _P.args, **named: _P.kwargs) -> _R:
+        try:
+            return called(*given, **named)
+        except (TypeError, ValueError, AttributeError, OverflowError) as error:
+            ours = isinstance(error, GearblocksError) and not isinstance(error, UnknownAttributeError)
+            values = {**dict(zip(known, given, strict=False)), **named}
+            if not ours and (problem := misfit(function, values)):
+                raise ParameterError(problem) from error
+            raise
+
     return checked
+
+
+def misfit(function: Callable[..., Any], values: Mapping[str, Any]) -> str:
+    """What a value must be that is of another sort than the annotation of its argument says, else "". Of a name that stands for
+    several classes, or for none, nothing is known."""
+    for argument, value in values.items():
+        annotation = function.__annotations__.get(argument)  # as text: they are postponed
+        sorts = [x.strip() for x in _TOP_LEVEL.split(annotation)] if isinstance(annotation, str) else ["Any"]
+        if not any(_fits(value, sort, function.__globals__) for sort in sorts):
+            return f"{argument} = {value!r:.80} must be {' or '.join(dict.fromkeys(_words_of(sort) for sort in sorts))}"
+    return ""
+
+
+_TOP_LEVEL = re.compile(r"\|(?![^\[]*\])")
+"""What separates the sorts of an annotation, but not those within brackets."""
+_SORTS: Mapping[str, tuple[str, tuple[type, ...]]] = {
+    "str": ("text", (str,)), "bool": ("True or False", (bool,)), "None": ("None", (type(None),)),
+    "int": ("a whole number", (Integral,)), "float": ("a number", (Real,)),
+    "Mapping": ("a dict of names and values", (Mapping,)), "Sequence": ("a list", (Sequence,)),
+    "tuple": ("a tuple", (tuple,)), "list": ("a list", (list,)),
+}  # fmt: skip
+"""Sorts of annotations, in words and as classes."""
+
+
+def _fits(value: Any, sort: str, scope: Mapping[str, Any]) -> bool:
+    """Whether a value is of a sort; what nothing is known of fits."""
+    name, _, inner = sort.rstrip("]").partition("[")
+    kinds: Any = _SORTS[name][1] if name in _SORTS else scope.get(name)
+    try:
+        if not isinstance(value, kinds):
+            return False
+    except TypeError:  # no class, or one that cannot be asked
+        return True
+    if name in ("int", "float"):
+        return not isinstance(value, bool) and value == value
+    if name == "Sequence" and isinstance(value, (str, bytes)):
+        return False
+    within = _SORTS.get(inner.split(",")[0].strip()) if name in ("Mapping", "Sequence", "list") else None
+    return within is None or all(isinstance(x, within[1]) for x in value)
+
+
+def _words_of(sort: str) -> str:
+    name, _, inner = sort.rstrip("]").partition("[")
+    return (
+        f"{_SORTS[name][0] if name in _SORTS else f'a {name}'}{' of texts' * (name == 'Sequence' and inner == 'str')}"
+    )
 
 
 def _too_many(function: Callable[..., Any], value: Any, known: Sequence[str]) -> str:

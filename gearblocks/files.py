@@ -23,7 +23,7 @@ def reason(error: OSError) -> str:
 
 def as_path(path: object) -> Path:
     """What is given as the name of a file. Raises ParameterError for what is none."""
-    if not isinstance(path, (str, os.PathLike)) or isinstance(os.fspath(path), bytes):
+    if not isinstance(path, (str, os.PathLike)) or isinstance(os.fspath(path), bytes) or path == "":
         raise ParameterError(f"path = {path!r:.80} must be the name of a file, as text or a pathlib.Path")
     return Path(path)
 

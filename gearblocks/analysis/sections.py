@@ -101,6 +101,8 @@ def section_points(
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
     relative = [q.name for q in model.program.outputs if q.name.rsplit(".", 1)[-1] in RELATIVE]
     patterns = relative if of is None else [of] if isinstance(of, str) else list(of)
+    if not patterns:
+        raise ParameterError("of = () names no output: the points are those of at least one, such as ['motor.w']")
     t = period * np.arange(transient, transient + keep)
     fine = t[-1] + period * (np.arange(1, _FINE * _LAST) / _FINE - min(_LAST, keep - 1))
     run = run_model(

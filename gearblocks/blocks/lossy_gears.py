@@ -171,10 +171,9 @@ def _is_finite(x: Any) -> bool:
     return isinstance(x, (int, float)) and isfinite(x)
 
 
-def _table_problems(rows: tuple[Any, ...]) -> Iterator[str]:
-    good = all(
-        isinstance(r, tuple) and len(r) == 5 and all(isinstance(x, (int, float)) and isfinite(x) for x in r)
-        for r in rows
+def _table_problems(rows: Any) -> Iterator[str]:
+    good = isinstance(rows, tuple) and all(
+        isinstance(r, tuple) and len(r) == 5 and all(map(_is_finite, r)) for r in rows
     )
     if not rows or not good:
         yield f"loss_table = {rows!r:.80} must be rows of five finite numbers: abs(w_a), eta1, eta2, tau1, tau2"

@@ -27,6 +27,7 @@ from gearblocks.language.fields import (
     exact,
     option,
     param,
+    same_value,
     signal,
 )
 from gearblocks.language.reference import Documented
@@ -110,20 +111,21 @@ class Declared(metaclass=Documented):
         return f"{type(self).__name__}({', '.join(given)})"
 
     def __eq__(self, other: object) -> bool:
-        return type(self) is type(other) and field_values(self) == field_values(other)
+        return type(self) is type(other) and same_value(field_values(self), field_values(other))
 
     def __hash__(self) -> int:
-        return hash((type(self), *field_values(self).values()))
+        try:
+            return hash((type(self), *field_values(self).values()))
+        except TypeError:  # an array, say
+            return hash(type(self))
 
     def changed(self, **values: Any) -> Any:
         """A copy with other values."""
         return type(self)(**field_values(self) | values)
 
     def problems(self) -> Iterator[str]:
-        """Problems of the combination of values, each as one sentence without the block's name.
-
-        Asked when the block joins a train.
-        """
+        """Problems of the combination of values, each as one sentence without the block's name; asked when the block joins a
+        train."""
         return iter(())
 
     def number_problems(self) -> Iterator[str]:
@@ -336,7 +338,7 @@ class Block(Declared, ABC):
             key = name if spec.role == "effect" else spec.belongs_to
             value = self.__dict__[name]
             needed = isinstance(value, Effect) and value.needed_by(self)
-            absent = value is None or (spec.role != "effect" and value == spec.default)
+            absent = value is None or (spec.role != "effect" and same_value(value, spec.default))
             if key and not absent and not needed:
                 present.setdefault(key, value)
         return present

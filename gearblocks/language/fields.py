@@ -10,10 +10,22 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from gearblocks.errors import ModelError, arguments_told, by_name_only
 from gearblocks.language.expression import finite_number
 from gearblocks.language.tidy import Tidy
 from gearblocks.language.units import declared, unit_of_entry
+
+
+def same_value(one: Any, other: Any) -> bool:
+    """Whether two values of a field, or fields by name, are equal: arrays by their numbers."""
+    try:
+        return one is other or bool(one == other)
+    except ValueError:  # of arrays, which are compared number by number
+        if isinstance(one, Mapping) and isinstance(other, Mapping):
+            return one.keys() == other.keys() and all(same_value(one[name], other[name]) for name in one)
+        return bool(np.array_equal(one, other))
 
 
 class _Required:

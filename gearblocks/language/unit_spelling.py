@@ -58,6 +58,8 @@ def _nearest(match: re.Match[str], known: Mapping[str, bool]) -> str:
 def _apart(letters: str, known: Mapping[str, bool]) -> str:
     """Units that stand in one word without blanks, the longest first, else ""."""
     for cut in range(len(letters), 0, -1):
+        if letters[cut:] == letters[cut - 1]:  # Nmm is N mm, not Nm m
+            continue
         if letters[:cut] in known and (cut == len(letters) or _apart(letters[cut:], known)):
             return f"{letters[:cut]} {_apart(letters[cut:], known)}".rstrip()
     return ""

@@ -126,6 +126,8 @@ def _raised(error: Exception, block: Block, s: Symbols) -> str:
     frames = traceback.extract_tb(error.__traceback__)
     file = getattr(getattr(type(block).physics, "__code__", None), "co_filename", "")
     line = next((f.lineno for f in reversed(frames) if f.filename == file), frames[-1].lineno)
+    if isinstance(error, TypeError) and getattr(getattr(type(block).physics, "__code__", None), "co_argcount", 2) != 2:
+        return "must take self and s, the symbols: write `def physics(self, s)`"
     if isinstance(error, AttributeError) and isinstance(error.obj, (Symbols, FlangeSymbols)):
         of_flange = isinstance(error.obj, FlangeSymbols)
         known = (

@@ -203,6 +203,9 @@ class FlangeSymbols:
         self.w = zero if grounded else pool.symbol("w", name, f"w_{name}")
         self.alpha = zero if grounded else pool.symbol("alpha", name, f"alpha_{name}")
 
+    def __repr__(self) -> str:
+        return f"s.{self._name}"
+
     @property
     def tau(self) -> Any:
         """Torque that the block exerts on the flange, for Shows."""

@@ -10,7 +10,7 @@ from typing import Any
 from gearblocks.errors import GearblocksError
 from gearblocks.language.block import Block, Declared
 from gearblocks.language.expression import Expr, to_sympy
-from gearblocks.language.fields import Field
+from gearblocks.language.fields import Field, same_value
 from gearblocks.language.signals import Input, Parameter, Table
 from gearblocks.language.tables import Table2
 from gearblocks.language.units import Given, parse_unit, unit_along
@@ -25,7 +25,7 @@ def _fields(of: Declared, slides: bool, within: Field | None) -> Iterator[str]:
     """within: the field that an effect stands in."""
     for name, field in type(of).fields.items():
         value = of.__dict__[name]
-        if value is not None and value != field.default:
+        if value is not None and not same_value(value, field.default):
             spec = field if within is None else within.along(field)
             yield f"{name}{':' if _is_effect(value) else ' ='} {_whole(value, spec, slides)}"
 
@@ -116,7 +116,7 @@ def short_texts(block: Declared, slides: bool, within: Field | None = None) -> l
         value = block.__dict__[name]
         if (
             value is not None
-            and value != field.default
+            and not same_value(value, field.default)
             and field.start is None
             and field.role not in ("option", "effect")
         ):

@@ -6,9 +6,12 @@ import math
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from fractions import Fraction
 from functools import cache
 from typing import Any
+
+import numpy as np
 
 from gearblocks.errors import ModelError, did_you_mean
 from gearblocks.language.annotations import effect_classes
@@ -171,9 +174,17 @@ def _row_wanted(owner: type[Declared], name: str, value: Any) -> str:
     entries = declared[1].split(",") if declared else []
     if isinstance(value, str) and "," in value:
         return f"a row of numbers, given one by one: {name}[0] = {value.split(',')[0].strip(' ([')} and so on"
+    if isinstance(value, str):
+        with suppress(ValueError):
+            value = float(value)
     if len(entries) < 2 or entries[-1].strip() == "...":
         return f"a row of numbers such as ({value!r:.40},)"
     return f"a row of {len(entries)} numbers such as ({', '.join([f'{value!r:.20}'] * len(entries))})"
+
+
+_SEVERAL = (np.ndarray, list, dict, set)
+_ONE = re.compile(r"(str|bool|int|float|None)( \| (str|bool|int|float|None|[A-Z]\w+))*")
+"""Annotations of choices that are one value; what is not annotated takes anything."""
 
 
 def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
@@ -189,6 +200,8 @@ def _field_problems(owner: Declared, prefix: str) -> Iterator[str]:
                 yield f"{prefix}{name} = {value!r} must be True or False"
             elif isinstance(value, Declared):
                 yield from _field_problems(value, f"{prefix}{name}.")
+            elif isinstance(value, _SEVERAL) and _ONE.fullmatch(annotation_of(type(owner), name) or ""):
+                yield f"{prefix}{name} = {value!r:.80} must be one value, not several: {field.words}"
         elif value is None:
             if field.default is not None and field.belongs_to is None:
                 yield f"{prefix}{name} = None ({field.words}): a value must be given"

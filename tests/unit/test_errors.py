@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import pickle
-from inspect import CO_VARKEYWORDS
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from inspect import CO_VARKEYWORDS, unwrap
 from operator import attrgetter
 from types import FunctionType
+from typing import Any
 
 import pytest
 
@@ -20,6 +23,7 @@ from gearblocks.errors import (
     arguments_told,
     by_name_only,
     did_you_mean,
+    misfit,
 )
 
 
@@ -166,3 +170,33 @@ def test_public_functions_and_methods_answer_wrong_arguments_in_words() -> None:
 def test_a_beginning_is_near() -> None:
     assert did_you_mean("spline", ["spline_coupling", "gear_pair"]) == " - did you mean 'spline_coupling'?"
     assert did_you_mean("sp", ["spline_coupling", "gear_pair"]) == ""
+
+
+@by_name_only
+def _read(
+    times: Sequence[float], names: Mapping[str, float] | None = None, *, count: int = 1, run: Fraction | str = "",
+    what: Any = None,
+) -> float:  # fmt: skip
+    """What ends in an error of Python's where values are of another sort."""
+    del run, what
+    return sum(times) / count + sum(0.0 * value for value in (names or {}).values())
+
+
+def test_values_of_another_sort_than_annotated_are_told_where_python_ends_in_an_error() -> None:
+    assert _read([1.0, 2.0], {"a": 3.0}, count=2) == 1.5
+    for wrong, words in (
+        (lambda: _read(3.0), r"times = 3.0 must be a list"),
+        (lambda: _read(["x"]), r"times = \['x'\] must be a list"),
+        (lambda: _read([1.0], [("a", 3.0)]), r"names = .* must be a dict of names and values or None"),
+        (lambda: _read([1.0], count="two"), r"count = 'two' must be a whole number"),
+    ):
+        with pytest.raises(ParameterError, match=words) as told:
+            wrong()  # type: ignore[no-untyped-call]
+        assert isinstance(told.value.__cause__, (TypeError, AttributeError))
+    with pytest.raises(ZeroDivisionError):  # every value is of its sort: the error is another one's
+        _read([1.0], count=0)
+    read = unwrap(_read)
+    fitting = {"times": (1, 2.0), "names": {"a": 1}, "count": 2, "run": "", "what": object()}
+    assert misfit(read, fitting) == ""
+    assert misfit(read, {"run": 3.5}) == "run = 3.5 must be a Fraction or text"
+    assert misfit(read, {"count": float("nan")}) and misfit(read, {"count": True}) and misfit(read, {"times": "ab"})
