@@ -176,6 +176,7 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     first = known[:1].count("self")  # of those that a caller gives
     by_place, by_name = known[: n - len(function.__defaults__ or ())], [x for x in known[n:] if x not in defaults]
     listed = ", ".join(sorted(known[n:] or known[first:]))
+    truths = {x for x, annotation in function.__annotations__.items() if annotation == "bool"}
     names = [f"*{code.co_varnames[len(known)]}"] if any_number else []
     call = f"{name}({', '.join([*by_place[first:], *names, *(f'{x}=...' for x in by_name)])})"
 
@@ -194,6 +195,8 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 near = did_you_mean(argument, known[first:])
                 has = f"it has {', '.join(sorted(known[first:]))}" if known[first:] else "it has none"
                 raise ParameterError(f"{name} has no argument '{argument}'; {has}{near or f'; write {call}'}")
+            if argument in truths and type(named[argument]).__name__ not in ("bool", "bool_"):
+                raise ParameterError(f"{argument} = {named[argument]!r:.80} must be True or False")
         if twice := [x for x in known[first : min(len(given), n)] if x in named]:
             raise ParameterError(f"{name}: {twice[0]} is given twice, by its place and by its name; write {call}")
         if missing := [x for x in (*by_place[len(given) :], *by_name) if x not in named]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import fields
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,17 @@ class Quantity:
 
     def __str__(self) -> str:
         return self.name
+
+    if not TYPE_CHECKING:  # so that a type checker finds these
+
+        def _no_number(self, *_: object) -> NoReturn:
+            raise ParameterError(
+                f"{self.name} is asked of a run, no number by itself: what is computed of it is a function, such as "
+                f"lambda run: quantity.of(run) / 2"
+            )
+
+        __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = __rtruediv__ = __pow__ = _no_number
+        __lt__ = __le__ = __gt__ = __ge__ = __neg__ = __abs__ = __float__ = _no_number
 
     def of(self, run: Trajectory) -> Any:
         """Its value for a run (an array for `points`): on the solution between the samples where the run was made by

@@ -96,6 +96,7 @@ def section_points(
     of the columns (default: all deflections, twists and their rates)."""
     if transient < 0 or keep < 1:
         raise ParameterError(f"transient = {transient} must be >= 0 and keep = {keep} must be >= 1")
+    check_whole(transient=transient, keep=keep)
     vector = parameter_vector(model, parameters or {}, None)
     check_frequency(section, model.program)
     period = section_period(section, NamedValues(model.program.parameter_numbers, vector))
@@ -159,3 +160,10 @@ def repeats(points: Array, longest: int, extent: Array) -> tuple[int | None, flo
         if residual < 1e-5 and separation > 100 * residual:
             return m, residual, separation
     return None, best, 0.0
+
+
+def check_whole(**numbers: float) -> None:
+    """ParameterError for numbers of periods that are not whole."""
+    for name, number in numbers.items():
+        if number != int(number):
+            raise ParameterError(f"{name} = {number!r} must be a whole number of periods")

@@ -161,6 +161,10 @@ def _options(s: Settings, window: Window) -> Options:
     return method_options(method, s.rtol, step, s.max_step, s.locate, window.end)[0]
 
 
+_PERIODS = 300, 100
+"""transient and keep where nothing is said."""
+
+
 def _window(s: Settings) -> Window:
     begin = begin_of(s.t_start, s.initial)
     if s.section is not None and not isinstance(s.section, Section):
@@ -173,6 +177,11 @@ def _window(s: Settings) -> Window:
     if s.t_end is None and s.t is None:
         raise ParameterError("give t_end [s], sample times t, or a section with the periods transient and keep")
     _, end = sample_times(begin, s.t_end, s.t)
+    if s.section is None and (s.transient, s.keep) != _PERIODS:
+        raise ParameterError(
+            f"transient = {s.transient!r} and keep = {s.keep!r} count periods of a section, and there is none: give "
+            "section=gb.stroboscopic('speed'), or times to the quantities, as gb.rms('mesh.force', after=0.5) does"
+        )
     return Window(begin, end, s.section)
 
 

@@ -184,7 +184,7 @@ class Document:
 
     def html(self, drawing: str = "") -> str:
         """A page that a browser shows without a network; drawing: SVG that stands above the equations."""
-        if drawing and not str(drawing).lstrip().startswith("<"):
+        if drawing and "<svg" not in str(drawing):
             raise ParameterError(
                 f"drawing = {str(drawing)!r:.80} must be the SVG of the train, str(rig.draw()); the page is text, written to a "
                 "file by pathlib.Path('page.html').write_text"

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.codegen.program import EventTable
+from gearblocks.errors import ParameterError
 from gearblocks.pages import small_table
 from gearblocks.plurals import singular
 
@@ -63,6 +64,10 @@ class Events(Sequence[Event]):
     @overload
     def __getitem__(self, at: slice) -> tuple[Event, ...]: ...
     def __getitem__(self, at: int | slice) -> Event | tuple[Event, ...]:
+        if isinstance(at, str):
+            raise ParameterError(
+                f"events[{at!r}]: events are numbered; those of one part are [e for e in run.events if e.component == {at!r}]"
+            )
         if isinstance(at, slice):
             return tuple(self._objects(self.array[at]))
         return next(self._objects(self.array[[at]]))

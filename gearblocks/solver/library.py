@@ -20,10 +20,10 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed, wait
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from gearblocks.codegen.program import Program
-from gearblocks.errors import CompileError, GearblocksError, log
+from gearblocks.errors import CompileError, GearblocksError, UnknownAttributeError, log
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.plurals import singular
 from gearblocks.progress import Progress
@@ -160,6 +160,16 @@ class Model(metaclass=Tidy):
     tree: Tree | None = None
     left_out: LeftOut | None = None
     rules: Rules | None = None
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name.startswith("_"):
+                raise AttributeError(name)
+            raise UnknownAttributeError(
+                f"a Model has no attribute '{name}'; what is asked of a train, and changed, is so before it is built: "
+                "gb.build(rig.set({...}))"
+            )
 
     def __reduce__(self) -> tuple[Any, ...]:
         rules = self.rules if self.rules is not None and self.rules.travels else None

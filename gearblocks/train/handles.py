@@ -86,10 +86,12 @@ class Handle:
             return getattr(self._part, name)
         fields = tuple(type(self._part).fields) if isinstance(self._part, Block) else ()
         kind = type(self._part).__name__
+        way = did_you_mean(name, (*self.flanges, *fields))
+        if kind == "Drivetrain" and not way:
+            way = "; the flanges of a train are those that it shows: stage.expose('name', part.flange), before it is added"
         raise UnknownAttributeError(
             f"'{self._name}' ({kind}) has no flange '{name}'{' and no such field' if fields else ''}; "
-            f"flanges: {', '.join(self.flanges) or 'none'}{'; fields: ' if fields else ''}{', '.join(fields)}"
-            f"{did_you_mean(name, (*self.flanges, *fields))}"
+            f"flanges: {', '.join(self.flanges) or 'none'}{'; fields: ' if fields else ''}{', '.join(fields)}{way}"
         )
 
     def __setattr__(self, name: str, value: object) -> None:

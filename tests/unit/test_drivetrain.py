@@ -52,7 +52,7 @@ def test_a_drivetrain_has_a_name(name: Any) -> None:
         (gb.Inertia, "Inertia is a class: make one with its values"),
         (3, "3 is neither a block nor a Drivetrain"),
         (None, "None is neither"),
-        (gb.Backlash(half_gap=1.0), "is neither a block nor a Drivetrain"),
+        (gb.Backlash(half_gap=1.0), "is an effect, no part: give it to a block"),
     ],
 )
 def test_only_blocks_and_trains_are_parts(part: Any, words: str) -> None:

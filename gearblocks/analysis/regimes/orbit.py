@@ -21,7 +21,7 @@ from gearblocks.analysis.regimes.small_multipliers import with_small_ones
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Followed, Strobe, strobe
 from gearblocks.analysis.regimes.turns import without_turns
-from gearblocks.analysis.sections import Section
+from gearblocks.analysis.sections import Section, check_whole
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
 from gearblocks.running import build
@@ -98,6 +98,7 @@ def periodic_orbit(
     `simulate`. Raises SimulationError where none is found."""
     if periods < 1 or transient < 0:
         raise ParameterError(f"periods = {periods} must be >= 1 and transient = {transient} must be >= 0")
+    check_whole(periods=periods, transient=transient)
     seen = strobe(build(train), section, parameters, initial, rtol)
     warn_of_parameters(seen.model, parameters)
     warn_if_stiff(seen, initial)
