@@ -33,6 +33,7 @@ from gearblocks.cli.trains import (
     Without,
     asked,
     built,
+    given_twice,
     named,
     threads,
     unit_apart,
@@ -314,8 +315,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the shell with `arguments` (those of the process where None); the answer is the exit status."""
     accept_every_character()
     given = sys.argv[1:] if arguments is None else list(arguments)
-    if apart := unit_apart(given):
-        complain(apart)
+    if wrong := unit_apart(given) or given_twice(given, app):
+        complain(wrong)
         return BAD_INPUT
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, *_, **__: complain(in_the_shell(f"warning: {message}"))
@@ -330,6 +331,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return NO if isinstance(error, (SimulationError, CompileError)) else BAD_INPUT
         except KeyboardInterrupt:
             complain("stopped")
+            return NO
+        except MemoryError:
+            complain("the memory of this machine is too small for that: ask for fewer points, outputs or samples")
             return NO
         except Exception as error:
             if os.environ.get("GEARBLOCKS_DEBUG"):

@@ -161,6 +161,19 @@ def unit_apart(arguments: Sequence[str]) -> str:
     return ""
 
 
+def given_twice(arguments: Sequence[str], app: typer.Typer) -> str:
+    """What is wrong where an option stands twice of which the last one alone would count; else empty."""
+    options = [x.partition("=")[0] for x in arguments if x.startswith("-") and x[1:2] in "-o"]
+    repeated = [x for i, x in enumerate(options) if x in options[:i]]
+    if not repeated:
+        return ""
+    command = getattr(typer.main.get_command(app), "commands", {}).get(arguments[0])
+    once = (
+        {name for one in command.params if not getattr(one, "multiple", False) for name in one.opts} if command else ()
+    )
+    return next((f"{x} is given twice; leave one of them out" for x in repeated if x in once), "")
+
+
 def assigned(texts: Sequence[str] | None) -> dict[str, float | str]:
     """Values by path of options such as mesh.k=1.5e8 or mesh.k=150MN/m."""
     pairs = [_assignment(text) for text in texts or ()]

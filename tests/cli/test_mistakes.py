@@ -118,3 +118,8 @@ def test_a_value_in_another_unit_than_it_is_meant_in_is_warned_of(
     told = capsys.readouterr()
     assert "warning: GearMesh mesh.module = 4 m (normal module) is implausible" in told.err
     assert "mesh.force  " in told.out and "e-2" not in told.out.split("mesh.force")[1].splitlines()[0]
+
+
+def test_a_study_beyond_the_memory_is_said_to_be_so(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["sweep", "rig.py", "--over", "mesh.k=1e8:2e8:999999999999999", "--t-end", "0.01"]) == 1
+    assert "the memory of this machine is too small for that: ask for fewer points" in capsys.readouterr().err
