@@ -358,11 +358,21 @@ def _compiled(compiler: Compiler, files: dict[str, bytes], name: str) -> bytes:
     return produced(compiler, {name: files[name], **included(files[name], files)}, arguments, "core.o")
 
 
+def _called(source: bytes, objects: Mapping[str, Path]) -> list[str]:
+    """The files of the core whose headers a C text includes, or one of these files."""
+    texts, found = _written("c"), list[str]()
+    while True:
+        headers = headers_of(b"".join((source, *(texts[name] for name in found))))
+        known, found = found, [name for name in objects if name[:-2] + ".h" in headers]
+        if found == known:
+            return found
+
+
 def _linked(compiler: Compiler, source: str, objects: Mapping[str, Path]) -> bytes:
     """The shared object of a model: its C text, and the files of the core that it calls."""
     own = {"exports.h": _EXPORTS.encode(), "model.c": source.encode()}
     headers = headers_of(b"".join(own.values()))
-    called = [name for name in objects if name[:-2] + ".h" in headers]
+    called = _called(b"".join(own.values()), objects)
     files = {**headers, **own, **{name[:-2] + ".o": objects[name].read_bytes() for name in called}}
     product = "model" + SHARED_SUFFIX
     flags = (*FLAGS, *compiler.generated_flags, *compiler.native, "-include", "exports.h")

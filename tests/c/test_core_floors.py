@@ -6,8 +6,9 @@ from pathlib import Path
 CORE = Path(__file__).parents[2] / "gearblocks" / "solver" / "c"
 
 FLOORS: tuple[tuple[str, ...], ...] = (
-    ("gb_sparse_ldu", "gb_report", "gb_stage_modes", "gb_implicit_angles", "gb_active_choice", "gb_force_split"),
-    ("gb_step_constraints",),
+    ("gb_sparse_ldu", "gb_report", "gb_stage_modes", "gb_implicit_angles", "gb_active_choice", "gb_raise"),
+    ("gb_step_constraints", "gb_load_limit"),
+    ("gb_force_split",),
     ("gb_inputs",),
     ("gb_time_terms",),
     ("gb_rest_share", "gb_limit_bend"),
@@ -77,6 +78,7 @@ ALONE = (
     "gb_coupled_bounds.h",
     "gb_lcp.h",
     "gb_loss.h",
+    "gb_force_bounds.h",
     "gb_constraint_rows.h",
     "gb_active_set.h",
     "gb_mass.h",

@@ -1,13 +1,10 @@
 #include "gb_force_split.h"
+#include "gb_load_limit.h"
 
 /* Most combinations of sides that are looked at for a split. */
 enum { GB_SPLITS = 625 };
-/* Most loads that are tried in search of the largest, and how close to it is on it. */
-enum { GB_ROUNDS = 60 };
-static const double GB_LIMIT = 1e-9;
-/* How far beyond a secant that ended short of it is looked for it, of what is left to search, at first; and by how
- * little two of them differ where the next question is whether that is the limit. */
-static const double GB_BEYOND = 1.0 / 64.0, GB_SETTLED = 1e-5;
+/* What a split leaves is rounding below this part of its terms. */
+static const double GB_ROUNDING = 1e-11;
 /* Room that is not asked beyond: hypot(part of the load, all bounds) less all of them but a part. It grows with the
  * load, whatever the bounds: samples of a load that swings far beyond them would all tell the same, and no step would
  * be too long. Round where the load passes zero: a corner there would look as if a step were too long. */
@@ -101,7 +98,7 @@ static double gb_split_left(const gb_lcp *problem, const int *is_own, const doub
             size = fmax(size, fabs(gb_delassus_diagonal(&problem->A, i) * bounds->upper[i]));
         }
     }
-    return worst - 1e-11 * size - DBL_MIN;
+    return worst - GB_ROUNDING * size - DBL_MIN;
 }
 
 /* Forces without bounds can circulate among those that take part: two gears side by side press on each other as hard as
@@ -183,21 +180,6 @@ void gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bou
     gb_split_of_any_sides(problem, is_own, b, bounds, force, NULL, HUGE_VAL, force);
 }
 
-/* What the split leaves of the load where all bounds are `part` of what they are, < 0: there is one. x: room. */
-static double gb_split_left_of(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
-                               const double *force, double part, double *x) {
-    const int n = problem->A.n;
-    double lower[n + 1], upper[n + 1], shrink[n + 1];
-    for (int i = 0; i < n; i++) {
-        lower[i] = part * bounds->lower[i];
-        upper[i] = part * bounds->upper[i];
-        shrink[i] = 1.0 - part * (bounds->shrink ? 1.0 - bounds->shrink[i] : 1.0);
-    }
-    const gb_force_bounds less = {lower, upper, bounds->losses, bounds->tie_of, shrink};
-    gb_split_by_sides(problem, is_own, b, &less, force, x);
-    return gb_split_left(problem, is_own, b, &less, force, x);
-}
-
 /* The largest slip acceleration against which forces that the motion does not tell hold; x: room. */
 static double gb_split_load(const gb_lcp *problem, const int *is_own, const double *force, double *x) {
     const int n = problem->A.n;
@@ -211,71 +193,55 @@ static double gb_split_load(const gb_lcp *problem, const int *is_own, const doub
     return load;
 }
 
-/* Room of a split that fits: by how much the load, as slip acceleration, may grow until none does, beside bounds that
- * are as large. What a split leaves is nothing all the way to its limit and tells no search how close that is. Bounds,
- * and those of lossy gears, contain 0: as they become smaller there is a split and from somewhere on none. What is left
- * times the factor of the load is convex in it and straight in pieces, so that secants from outside end on the limit;
- * beside lossy gears it bends, a secant may end short of it, and what is a little beyond is asked. A combination of
- * sides that these steps do not find lets the room be told too small. */
-static double gb_split_room(const gb_lcp *problem, const int *is_own, const double *b, const gb_force_bounds *bounds,
-                            const double *force, double *x) {
-    const int n = problem->A.n;
-    const double load = gb_split_load(problem, is_own, force, x);
-    double most = 0.0, inside = 1.0, far = 0.0, far_left = 0.0, part = 0.5;
-    for (int i = 0; i < n; i++) {
+/* Up to which factor of the load it is asked whether it is held: its room grows with the load, whatever the bounds. */
+static double gb_split_far(const gb_lcp *problem, const int *is_own, const gb_force_bounds *bounds, double load) {
+    double most = 0.0;
+    for (int i = 0; i < problem->A.n; i++) {
         const double upper = problem->in[i] && !is_own[i] ? fabs(bounds->upper[i]) : 0.0;
         most += upper < HUGE_VAL ? fabs(gb_delassus_diagonal(&problem->A, i)) * upper : 0.0;
     }
     const double enough = most > 0.0 ? hypot(GB_OF_LOAD * load, most) - (1.0 - GB_OF_BOUNDS) * most : load;
-    if (!(load > 1e-3 * most)) {
-        return enough;
+    return load > 1e-3 * most ? 1.0 + enough / load : -enough;
+}
+
+/* What a split that is found leaves, < 0: by how much the load, as slip acceleration, may grow. Beside lossy gears a
+ * search by their sides does not find all that there is; how far the load is from what can be held tells. */
+static double gb_split_room(const gb_lcp *problem, const int *is_own, const gb_force_bounds *bounds,
+                            const double *force, double left, double *x) {
+    const int n = problem->A.n, fits = !(left > 0.0);
+    double other[n + 1];
+    const double load = gb_split_load(problem, is_own, force, other);
+    const double far = gb_split_far(problem, is_own, bounds, load);
+    if (fits && far < 0.0) {
+        return fmin(left, far);
     }
-    double outside = 1.0 + enough / load;
-    double left = outside * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / outside, x);
-    const double on_limit = GB_LIMIT * left;
-    inside = left > 0.0 ? inside : outside;
-    for (int round = 0; round < GB_ROUNDS && outside - inside > GB_LIMIT * outside; round++) {
-        const double secant = outside - left * (far - outside) / (far_left - left);
-        const int told = far > outside && secant > inside && secant < outside;
-        const double next = told ? secant : inside + part * (outside - inside);
-        const double now = next * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / next, x);
-        if (now > on_limit) {
-            far = outside;
-            far_left = left;
-            outside = next;
-            left = now;
-            continue;
-        }
-        const double beyond = next + 4.0 * GB_LIMIT * outside;
-        const int settled = told && (!bounds->tie_of || fmin(next - inside, outside - next) <= GB_SETTLED * outside);
-        inside = next;
-        if (settled && (!bounds->tie_of ||
-                        beyond * gb_split_left_of(problem, is_own, b, bounds, force, 1.0 / beyond, x) > on_limit)) {
-            break; /* on the limit but for rounding */
-        }
-        part = told ? GB_BEYOND : fmin(8.0 * part, 0.5);
+    if (!fits && (!bounds->tie_of || gb_split_circulates(problem, is_own, bounds))) {
+        return left;
     }
-    return load * (inside - 1.0);
+    memcpy(other, x, sizeof(double) * (size_t)n);
+    const double factor = gb_load_limit(problem, is_own, bounds, force, fmax(far, 2.0), fits, other);
+    const double room = load * ((fits ? fmax(factor, 1.0) : factor) - 1.0);
+    if (!fits && factor >= 1.0) {
+        for (int i = 0; i < n; i++) {
+            x[i] = is_own[i] ? force[i] : other[i];
+        }
+    }
+    return fits ? fmin(left, -room) : -room - GB_ROUNDING * load;
 }
 
 void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
               double *force, double *violation) {
     const int n = W->n;
     const gb_lcp problem = {*W, is_active, NULL, a->room, 0, NULL};
-    double b[n + 1], x[n + 1], other[n + 1], ignored = 0.0;
+    double b[n + 1], x[n + 1], ignored = 0.0;
     int is_own[n + 1];
     for (int i = 0; i < n; i++) {
         is_own[i] = a->redundant[i] == 0.0;
         b[i] = is_active[i] ? -gb_delassus_product(W, i, force, &ignored) : 0.0;
     }
     gb_split_by_sides(&problem, is_own, b, bounds, force, x);
-    double left = gb_split_left(&problem, is_own, b, bounds, force, x);
-    if (left > 0.0 && bounds->tie_of) {
-        left = gb_split_of_any_sides(&problem, is_own, b, bounds, force, force, left, x);
-    }
-    if (!(left > 0.0)) {
-        left = fmin(left, -gb_split_room(&problem, is_own, b, bounds, force, other));
-    }
+    const double left =
+        gb_split_room(&problem, is_own, bounds, force, gb_split_left(&problem, is_own, b, bounds, force, x), x);
     for (int i = 0; i < n; i++) {
         force[i] = is_active[i] ? x[i] : force[i];
         violation[i] = left;

@@ -6,19 +6,7 @@
 #define GB_FORCE_SPLIT_H
 
 #include "gb_active_set.h"
-#include "gb_loss.h"
-
-/* tie_of: of the loss of a lossy gear its tie, -1 for all others (NULL: there is none); its losses are five numbers
- * further each, of which the part `shrink` is taken off (NULL: nothing). */
-typedef struct gb_force_bounds {
-    const double *lower, *upper, *losses;
-    const int *tie_of;
-    const double *shrink;
-} gb_force_bounds;
-
-static inline int gb_split_is_loss(const gb_force_bounds *bounds, int i) {
-    return bounds->tie_of && bounds->tie_of[i] >= 0;
-}
+#include "gb_force_bounds.h"
 
 /* The split of the active constraints, into `force`; `violation`: of each of them by how much no split is within its
  * bounds, < 0: by how much the load may grow, both as slip acceleration. */
