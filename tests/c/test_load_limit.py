@@ -59,7 +59,6 @@ def _factor(core: ctypes.CDLL, W: np.ndarray, force: np.ndarray, bounds: dict[st
         ctypes.byref(given),
         ctypes.c_void_p(keep[3].ctypes.data),
         ctypes.c_double(most),
-        0,
         ctypes.c_void_p(keep[4].ctypes.data),
     )
     return factor, keep[4]

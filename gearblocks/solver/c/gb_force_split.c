@@ -218,8 +218,7 @@ static double gb_split_room(const gb_lcp *problem, const int *is_own, const gb_f
     if (!fits && (!bounds->tie_of || gb_split_circulates(problem, is_own, bounds))) {
         return left;
     }
-    memcpy(other, x, sizeof(double) * (size_t)n);
-    const double factor = gb_load_limit(problem, is_own, bounds, force, fmax(far, 2.0), fits, other);
+    const double factor = gb_load_limit(problem, is_own, bounds, force, fmax(far, 2.0), other);
     const double room = load * ((fits ? fmax(factor, 1.0) : factor) - 1.0);
     if (!fits && factor >= 1.0) {
         for (int i = 0; i < n; i++) {

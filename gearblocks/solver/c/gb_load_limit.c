@@ -12,9 +12,10 @@ static const double GB_CLEARLY = 1.0 + 1e-9;
  * program; the last column is the factor of the load. */
 typedef struct gb_lines {
     int count, columns;
-    const int *at, *place;       /* constraint by line; line by constraint, -1 for none */
-    const double *scale;         /* by line */
-    double *line, *least, *most; /* count x columns; bounds of the columns */
+    const int *at, *place;        /* constraint by line; line by constraint, -1 for none */
+    const int *class_of, *row_of; /* by line: 0 without bounds on both sides; the equation that tells it, or -1 */
+    const double *scale, *E;      /* by line; the equations, solved */
+    double *line, *least, *most;  /* count x columns; bounds of the columns */
 } gb_lines;
 
 /* Not bounded on both sides, and no loss. */
@@ -83,18 +84,16 @@ static void eliminate(int m, double *E, const int *class_of, int *row_of) {
     }
 }
 
-/* Lines over the forces that no row tells. Beside lossy gears those of them that have no bounds stay in proportion to
- * x: they are no columns. */
-static void draw_lines(const gb_force_bounds *bounds, const double *E, const int *row_of, const int *class_of, int kept,
-                       double most, const double *x, gb_lines *lines) {
+/* Lines over the forces that no equation tells. */
+static void draw_lines(const gb_force_bounds *bounds, double most, gb_lines *lines) {
     const int m = lines->count;
     int column[m + 1], columns = 0;
     for (int j = 0; j < m; j++) {
-        const int i = lines->at[j], free = row_of[j] < 0 && !(kept && class_of[j] == 0);
-        column[j] = free ? columns : -1;
-        if (free) {
-            lines->least[columns] = gb_split_is_loss(bounds, i) ? -HUGE_VAL : bounds->lower[i] * lines->scale[j];
-            lines->most[columns++] = gb_split_is_loss(bounds, i) ? HUGE_VAL : bounds->upper[i] * lines->scale[j];
+        const int i = lines->at[j], loss = gb_split_is_loss(bounds, i);
+        column[j] = columns;
+        if (lines->row_of[j] < 0) {
+            lines->least[columns] = loss ? -HUGE_VAL : bounds->lower[i] * lines->scale[j];
+            lines->most[columns++] = loss ? HUGE_VAL : bounds->upper[i] * lines->scale[j];
         }
     }
     lines->least[columns] = 0.0;
@@ -103,18 +102,38 @@ static void draw_lines(const gb_force_bounds *bounds, const double *E, const int
     memset(lines->line, 0, sizeof(double) * (size_t)(m * (columns + 1)));
     for (int k = 0; k < m; k++) {
         double *line = lines->line + k * (columns + 1);
-        const double *row = E + row_of[k] * (m + 1);
-        if (row_of[k] < 0) {
-            line[column[k] >= 0 ? column[k] : columns] = column[k] >= 0 ? 1.0 : x[lines->at[k]] * lines->scale[k];
+        const double *row = lines->E + lines->row_of[k] * (m + 1);
+        if (lines->row_of[k] < 0) {
+            line[column[k]] = 1.0;
             continue;
         }
         line[columns] = row[m];
         for (int j = 0; j < m; j++) {
-            if (row_of[j] < 0) {
-                const double of_load = column[j] < 0 ? x[lines->at[j]] * lines->scale[j] : 1.0;
-                line[column[j] >= 0 ? column[j] : columns] -= row[j] * of_load;
+            line[column[j]] -= lines->row_of[j] < 0 ? row[j] : 0.0;
+        }
+    }
+}
+
+/* Forces of ties can circulate: two gears side by side press on each other as hard as they like, and their losses would
+ * hold any load. As hard as the load, and no harder. */
+static void add_circulations(gb_raise *lp, const gb_lines *lines, double load) {
+    const int m = lines->count;
+    for (int f = 0; f < m; f++) {
+        if (lines->row_of[f] >= 0 || lines->class_of[f] != 0) {
+            continue;
+        }
+        double *row = lp->entry + lp->rows * lp->columns, norm = 1.0;
+        memcpy(row, lines->line + f * lp->columns, sizeof(double) * (size_t)lp->columns);
+        for (int b = 0; b < m; b++) {
+            const double part =
+                lines->row_of[b] >= 0 && lines->class_of[b] == 0 ? -lines->E[lines->row_of[b] * (m + 1) + f] : 0.0;
+            norm += part * part;
+            for (int k = 0; k < lp->columns && part != 0.0; k++) {
+                row[k] += part * lines->line[b * lp->columns + k];
             }
         }
+        lp->most[lp->columns + lp->rows] = sqrt(norm) * load;
+        lp->least[lp->columns + lp->rows++] = -sqrt(norm) * load;
     }
 }
 
@@ -166,7 +185,8 @@ static void add_option(gb_raise *lp, const gb_lines *lines, const gb_force_bound
 /* The linear program of a combination of options, and its factor; into x the forces that it ends with, over it. */
 static double raised(const gb_lines *lines, const gb_force_bounds *bounds, const double *force, const int *option,
                      double load, double *x) {
-    const int m = lines->count, columns = lines->columns, most_rows = 4 * m;
+    const int m = lines->count, columns = lines->columns, most_rows = 5 * m;
+    double scaled = 0.0;
     int id[columns + most_rows];
     double entry[columns * most_rows + 1], value[columns + most_rows], least[columns + most_rows],
         most[columns + most_rows];
@@ -176,6 +196,7 @@ static double raised(const gb_lines *lines, const gb_force_bounds *bounds, const
     for (int k = 0; k < m; k++) {
         const int i = lines->at[k];
         const double *losses = bounds->losses + 5 * (long)i;
+        scaled = fmax(scaled, load / lines->scale[k]);
         if (!gb_split_is_loss(bounds, i)) {
             if (bounds->lower[i] > -HUGE_VAL || bounds->upper[i] < HUGE_VAL) {
                 add_row(&lp, lines, i, -1, 0.0, 0.0, bounds->lower[i], bounds->upper[i]);
@@ -186,6 +207,9 @@ static double raised(const gb_lines *lines, const gb_force_bounds *bounds, const
             const double keep = bounds->shrink ? 1.0 - bounds->shrink[i] : 1.0, tie = force[bounds->tie_of[i]];
             add_row(&lp, lines, i, -1, 0.0, 0.0, -keep * gb_loss_of(losses, tie), keep * gb_loss_of(losses, -tie));
         }
+    }
+    if (bounds->tie_of) {
+        add_circulations(&lp, lines, scaled);
     }
     const double factor = gb_raise_last(&lp);
     for (int k = 0; k < m; k++) {
@@ -213,9 +237,9 @@ static int next_option(const gb_lines *lines, const gb_force_bounds *bounds, int
 }
 
 double gb_load_limit(const gb_lcp *problem, const int *is_own, const gb_force_bounds *bounds, const double *force,
-                     double most, int fits, double *x) {
+                     double most, double *x) {
     const int n = problem->A.n;
-    int at[n + 1], place[n + 1], class_of[n + 1], row_of[n + 1], option[n + 1], m = 0, kept = 0;
+    int at[n + 1], place[n + 1], class_of[n + 1], row_of[n + 1], option[n + 1], m = 0;
     double scale[n + 1], least[n + 1], upper[n + 1], split[n + 1], largest = 0.0;
     for (int i = 0; i < n; i++) {
         place[i] = problem->in[i] && !is_own[i] ? m : -1;
@@ -223,25 +247,21 @@ double gb_load_limit(const gb_lcp *problem, const int *is_own, const gb_force_bo
             const double own = gb_delassus_diagonal(&problem->A, i);
             scale[m] = own > 0.0 ? sqrt(own) : 1.0;
             class_of[m] = !is_unbounded(bounds, i);
-            kept = kept || gb_split_is_loss(bounds, i);
             at[m++] = i;
         }
     }
     double E[m * (m + 1) + 1], line[m * (m + 1) + 1];
-    gb_lines lines = {m, 0, at, place, scale, line, least, upper};
+    gb_lines lines = {m, 0, at, place, class_of, row_of, scale, E, line, least, upper};
     const double load = equations(problem, force, &lines, E);
     eliminate(m, E, class_of, row_of);
-    draw_lines(bounds, E, row_of, class_of, kept, most, x, &lines);
+    draw_lines(bounds, most, &lines);
     memset(option, 0, sizeof option);
-    memcpy(split, x, sizeof(double) * (size_t)n);
     for (int count = 0, more = 1; more && largest < most && count < GB_COMBINATIONS; count++) {
         const double factor = raised(&lines, bounds, force, option, load, split);
-        if (factor > largest) {
-            largest = factor;
-            if (!fits && factor >= 1.0) {
-                memcpy(x, split, sizeof(double) * (size_t)n);
-            }
+        for (int k = 0; k < m && factor > largest; k++) {
+            x[at[k]] = split[at[k]];
         }
+        largest = fmax(factor, largest);
         more = next_option(&lines, bounds, option);
     }
     return largest;

@@ -8,9 +8,9 @@
 
 #include "gb_force_bounds.h"
 
-/* The factor, at most `most`. force: forces that give the load. x: a split of it; where the factor is 1 or more and the
- * one given fits not, one that does (fits = 0). Forces of ties that can circulate stay in proportion to those in x. */
+/* The factor, at most `most`. force: forces that give the load. x: a split of it, within the bounds where the factor is
+ * 1 or more; those that the motion tells stay. Forces of ties that can circulate do so no harder than the load. */
 double gb_load_limit(const gb_lcp *problem, const int *is_own, const gb_force_bounds *bounds, const double *force,
-                     double most, int fits, double *x);
+                     double most, double *x);
 
 #endif
