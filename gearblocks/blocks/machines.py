@@ -142,7 +142,7 @@ class Governor(Block):
     """Speed controller: output `command`, to be read with gb.sense("governor.command"); exerts no torque.
 
         e = target - w,   u = bias + gain e + integral,   command = u held between lower and upper
-        integral' = integral_gain (e + (command - u)/gain)
+        integral' = integral_gain (command - bias - integral)/gain,   which is integral_gain (e + (command - u)/gain)
 
     Without integral_gain a speed droop remains. The last term keeps the integral from running away while the command is
     at a limit (back-calculation: Åström and Hägglund, PID Controllers, 1995). With time_constant the command passes
@@ -180,7 +180,8 @@ class Governor(Block):
         wanted = s.named("u", wanted, "command before its limits")
         held = s.named("y", sp.Min(sp.Max(wanted, s.lower), s.upper), "command within its limits")
         if self.integral_gain is not None:
-            yield Rate(s.integral, s.integral_gain * (error + (held - wanted) / s.gain))
+            # without the error, which cancels at a limit: a rate of rounding would be followed there
+            yield Rate(s.integral, s.integral_gain * (held - s.bias - s.integral) / s.gain)
         if self.time_constant is not None:
             yield Rate(s.actuator, (held - s.actuator) / s.time_constant)
         yield Shows("command", s.actuator if self.time_constant is not None else held, "1", "command")

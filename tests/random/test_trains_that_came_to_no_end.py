@@ -8,7 +8,8 @@ tried again as it was, within one call. mixed 27000245: a table's corner at the 
 of implicit steps drifts across it, and of each step 20,000 pieces were looked at. mixed 27000393: room that locks beside lossy
 gears have left was told as none wherever the sides of a gear change as all bounds shrink. mixed 30000473: a body between two
 one-way clutches and a stop; what was left of a flight opened both, one of them opened the stop as it closed, and so on, each
-cycle a 118th of the one before down to the rounding of the gap, where they went on.
+cycle a 118th of the one before down to the rounding of the gap, where they went on. mixed 34000051 ended, with 11 rtol missing
+in the balance: in the 36 steps between two looks at it three times the goal was used up.
 """
 
 import contextlib
@@ -29,7 +30,8 @@ from tests.random.judge import HangError, Judge, cpu_limit  # noqa: E402
 
 
 @pytest.mark.parametrize(
-    ("family", "seed"), [("mixed", 15000348), ("contact", 15000428), ("contact", 24000362), ("mixed", 27000245)]
+    ("family", "seed"),
+    [("mixed", 15000348), ("contact", 15000428), ("contact", 24000362), ("mixed", 27000245), ("mixed", 34000051)],
 )
 @pytest.mark.few(1)
 def test_they_end_and_are_right(family, seed):

@@ -21,6 +21,9 @@ static const double COUNTED_ON = 0.1;
  * looks right in the others. */
 static const double LATEST = 0.2;
 
+/* Part of the goal that is used up from where on looks are close together. */
+static const double USED = 0.25;
+
 /* Growth of the turnover from one look to the next up to which it is one that may be compared with. */
 static const double GROWTH = 1.25;
 
@@ -132,7 +135,7 @@ static int decide(gb_sim *sim, double turnover) {
         const double gone = t - sim->head->front.t_start, due = goal * (LATEST + (1.0 - LATEST) * gone / (gone + left));
         const int less = 4.0 * more < room && 2.0 * now < due;
         drift->strictness = gb_max(0.0, drift->strictness - (less ? LESS : 0.0));
-        return 4.0 * more > room;
+        return 4.0 * more > room || now > USED * goal;
     }
     if (drift->strictness <= 0.0) {
         drift->rate = gb_max(drift->rate, rate / turnover);

@@ -112,6 +112,19 @@ def test_a_governor_at_its_limit_does_not_wind_up(distance):
     assert distance(run["governor.command"][early], 1 - np.exp(-run.t[early] / 0.05)) < 1e-7
 
 
+@pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
+def test_a_governor_whose_command_is_at_its_limit_is_no_matter_of_step_sizes(method):
+    # its integral stays 0 then: with the error in its rate, which cancels there, it followed rounding in steps of 1e-7 s
+    rig = made(
+        drive=gb.Torque(tau=40.2 * gb.sense("governor.command")), body=gb.Inertia(J=2.3, w0=33.2),
+        governor=gb.Governor(target=4.4, gain=0.997, integral_gain=0.244), load=gb.SpeedLoad(coeffs=(0.0, 43.6, 0.0)),
+        watch=_Watch(x=gb.sense("governor.command")),
+    )  # fmt: skip
+    run = gb.simulate(rig, t=[0.0, 0.05, 0.1], method=method, rtol=1e-6)
+    assert run["body.w"] == pytest.approx(33.2 * np.exp(-run.t * 43.6 / 2.3), rel=1e-5)
+    assert run.stats.steps < 300
+
+
 class _Watch(gb.Block):
     """Shows a signal."""
 
