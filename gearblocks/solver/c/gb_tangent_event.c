@@ -12,6 +12,7 @@ static const double GRAZING = 1e-4;   /* steps: a surface that is left again wit
 static const double AT_ONCE = 1e-6;   /* delays to two surfaces that differ by less are one */
 static const double UNMOVED = 1e-9;   /* of the size of a state: less is no jump of it */
 static const double UNCHANGED = 1e-9; /* of the size of a rate */
+static const double SET = 1e-6;       /* of what lies beside: less is what a difference is off */
 
 /* Derivative of the event functions at (t, y) along (dt, v), into out. */
 static int along(gb_sim *sim, const gb_tangent_room *room, double t, const double *y, double dt, const double *v,
@@ -195,6 +196,17 @@ static int mapped(gb_sim *sim, const gb_tangent_room *room, const double *w, dou
     return alike;
 }
 
+/* Whether the event, which left the state as it was, moves what lies beside by w otherwise: a state that is set takes
+ * the value that it has. */
+static int sets_beside(const gb_sim *sim, const gb_tangent_room *room, const double *w) {
+    double most = 0.0, moved = 0.0;
+    for (int i = 0; i < sim->model->n; i++) {
+        most = gb_max(most, fabs(w[i]) / room->scale[i]);
+        moved = gb_max(moved, fabs(room->beyond[i] - w[i]) / room->scale[i]);
+    }
+    return moved > SET * most;
+}
+
 int gb_tangents_after(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room *room) {
     const int n = sim->model->n;
     const int code = gb_time_terms_at(sim, sim->head->front.t1);
@@ -202,24 +214,30 @@ int gb_tangents_after(gb_sim *sim, gb_tangents *tangents, const gb_tangent_room 
     sim->head->front.t_comm = sim->head->front.t1;
     const int jumps = has_changed(sim, room->before, sim->y, UNMOVED, 0);
     const int bends = has_changed(sim, room->rates_before, room->rates_after, UNCHANGED, 1);
-    for (int c = 0; c < tangents->count && (jumps || bends); c++) {
+    const int sets = !jumps && sim->model->update_states;
+    int moves = jumps || bends;
+    for (int c = 0; c < tangents->count && (moves || sets); c++) {
         double *v = tangents->columns + (size_t)c * (size_t)sim->model->n_total;
         const double delay = room->delay[c];
         for (int i = 0; i < n; i++) {
             v[i] += delay * room->rates_before[i];
         }
-        if (jumps) {
+        if (jumps || sets) {
             const int moved = tangents->change && c == tangents->count - 1;
-            if (!mapped(sim, room, v, delay, moved ? tangents->change : NULL)) {
-                doubt(tangents, tangents->surface);
+            const int alike = mapped(sim, room, v, delay, moved ? tangents->change : NULL);
+            if (jumps || sets_beside(sim, room, v)) {
+                moves = 1;
+                if (!alike) {
+                    doubt(tangents, tangents->surface);
+                }
+                memcpy(v, room->beyond, sizeof(double) * (size_t)n);
             }
-            memcpy(v, room->beyond, sizeof(double) * (size_t)n);
         }
         for (int i = 0; i < n; i++) {
             v[i] -= delay * room->rates_after[i];
         }
     }
-    if (tangents->doubt && (jumps || bends)) {
+    if (tangents->doubt && moves) {
         gb_tangents_note(tangents, sim->head->front.t1);
     }
     return code;

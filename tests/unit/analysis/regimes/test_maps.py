@@ -67,6 +67,7 @@ def _known(law: str, r: float) -> tuple[int | None, float]:
 @pytest.mark.parametrize(
     ("law", "r", "label"),
     [
+        ("logistic", 2.8, "period 1"),  # where it is set to what it is
         ("logistic", 3.2, "period 2"),
         ("logistic", 3.55, "period 8"),
         ("logistic", 3.83, "period 3"),  # the window that begins at 1 + sqrt(8) = 3.82843
@@ -74,6 +75,7 @@ def _known(law: str, r: float) -> tuple[int | None, float]:
         ("logistic", 3.9, "chaotic"),
         ("Henon", 1.25, "period 7"),
         ("Henon", 1.4, "chaotic"),
+        ("delayed", 1.99, "period 1"),
         ("delayed", 2.05, "quasi-periodic"),
         ("delayed", 2.27, "chaotic"),
     ],

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import gearblocks as gb
+from gearblocks.analysis.regimes.strobe import strobe
 
 Oscillator = Callable[..., gb.Drivetrain]
 SECTION = gb.stroboscopic("drive")
@@ -97,3 +98,21 @@ def test_what_grows_too_slowly_to_see_is_no_torus(oscillator: Oscillator) -> Non
     found = gb.classify(oscillator(lambda drive, x, v: gb.cos(drive * gb.time) + 1e-5 * v, k=2.0, c=0.0), SECTION)
     assert found.label == "unresolved" and "moves away from an orbit of period 1" in found.evidence[0], found.evidence
     assert found.orbit is not None and abs(found.orbit.multipliers[0]) == pytest.approx(np.exp(1e-5 * np.pi), abs=1e-9)
+
+
+def test_a_contact_that_begins_as_it_did_a_period_ago_has_the_multipliers_of_its_runs() -> None:
+    # one side alone is met: what Hunt and Crossley's damping holds is set to what it is, and forgets what it was all the same
+    rig, drive = gb.Drivetrain("contact"), gb.Parameter("drive", 1.0, "rad/s")
+    teeth = gb.Lash(k=30.0, half_gap=3.0, contact_damping=gb.HuntCrossley(restitution=0.6))
+    rig.chain(
+        rig.add("source", gb.Torque(tau=0.45 + 0.5 * gb.cos(drive * gb.time))), rig.add("disc", gb.Inertia(J=1.0)),
+        rig.add("teeth", teeth), rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    model = gb.build(rig)
+    found = gb.classify(model, SECTION)
+    assert found.label == "period 1" and found.orbit is not None, found.evidence
+    seen, y = strobe(model, SECTION, None, None, 1e-12), found.orbit.points[0]
+    steps = 1e-5 * np.eye(seen.n)
+    runs = [(seen.follow(y + e, 1).states[-1] - seen.follow(y - e, 1).states[-1]) / 2e-5 for e in steps]
+    # a corner of the contact passes through what a difference is taken over: 1e-5
+    assert seen.map(y, 1).maps[-1] == pytest.approx(np.array(runs).T, abs=1e-4)
