@@ -115,7 +115,7 @@ def test_a_governor_at_its_limit_does_not_wind_up(distance):
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 def test_a_governor_whose_command_is_at_its_limit_is_no_matter_of_step_sizes(method):
     # its integral stays 0 then: with the error in its rate, which cancels there, it followed rounding in steps of 1e-7 s
-    rig = made(
+    rig = _chain(
         drive=gb.Torque(tau=40.2 * gb.sense("governor.command")), body=gb.Inertia(J=2.3, w0=33.2),
         governor=gb.Governor(target=4.4, gain=0.997, integral_gain=0.244), load=gb.SpeedLoad(coeffs=(0.0, 43.6, 0.0)),
         watch=_Watch(x=gb.sense("governor.command")),
