@@ -162,8 +162,7 @@ def test_gears_alike_side_by_side_are_one_with_the_bearing_torques_of_all(count:
 @pytest.mark.parametrize("method", ["auto", "dp5", "dp8", "rodas"])
 @pytest.mark.parametrize("count", [-3, 3])
 def test_a_load_that_a_brake_and_gears_share_is_no_matter_of_step_sizes(count: int, method: str) -> None:
-    """Gears that let nothing in for some torques hold a load with a brake: how much more they would hold has no jump.
-    At rest they share it in proportion; 12 N m were enough for 2 N m of the brake and 0.9 N m at the fast side."""
+    """Gears that let nothing in for some torques hold a load with a brake: how much more they would hold has no jump."""
     tau = 12.4 * gb.sin(2.26 * gb.time) + 3.0 * gb.cos(9.0 * gb.time)
     rig = _alike(count, ((0.0, 0.7, 0.8, 0.1, 0.3),), tau, 2.0)
     run = gb.simulate(rig, t_end=3.0, method=method, rtol=1e-8)
