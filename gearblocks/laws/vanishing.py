@@ -3,7 +3,8 @@
 Over the reals f is asked at a few points (Schwartz 1980, Zippel 1979), which expanding it would take far longer than. Over
 the modes nothing is sampled: with S the sets of modes that stand in one product of f, f is a sum of f_S(m_S), and it is zero
 everywhere if it is where the modes of one S take all their values and all others a fixed one. Where these are too many, or no
-point lies in what f is defined for, it counts as not zero. Knows nothing of which values modes take together in a run.
+point lies in what f is defined for, it counts as not zero; so does what is zero by a relation between exponentials of
+different arguments alone. Knows nothing of which values modes take together in a run.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from gearblocks.laws.free_symbols import symbols_in
 from gearblocks.laws.functions import Table2At, TableAt, Where
 from gearblocks.laws.law import Law
 
+_SATURATING = (sp.exp, sp.tanh, sp.coth, sp.sinh, sp.cosh, sp.erf, sp.erfc)
+
 _MOST = 4096  # combinations of modes that are asked
 _POINTS, _TRIES = 4, 10  # real points for each, and how often they are drawn
 _ROUNDING = 1e-12  # of the largest of the terms that cancel
@@ -35,9 +38,22 @@ def vanishes(expr: Any, law: Law) -> bool:
     expr = sp.sympify(expr)
     if expr == 0 or not expr.free_symbols:
         return bool(expr == 0)
-    expr, values = _with_modes_as_symbols(expr, law)
+    expr, values = _with_modes_as_symbols(_with_moderate_arguments(expr), law)
     combinations = _combinations(expr, values)
     return combinations is not None and _is_zero_in(expr, list(values), combinations)
+
+
+def _with_moderate_arguments(expr: Any) -> Any:
+    """The expression with the arguments of exponentials and their kin as independent real symbols: exp(-((t - 17)/0.01)^2) is
+    exactly 0 in floating point at every point that is drawn, and 1 + tanh(t - 40) too."""
+    arguments: dict[Any, Any] = {}
+    calls: dict[Any, Any] = {}
+    for call in sorted((x for x in expr.atoms(*_SATURATING) if x.free_symbols), key=str):
+        (x,) = call.args
+        sign = -1 if x.could_extract_minus_sign() else 1
+        symbol = arguments.setdefault(sp.expand(sign * x), sp.Symbol(f"argument {len(arguments)}", real=True))
+        calls[call] = call.func(sign * symbol)
+    return expr.xreplace(calls)
 
 
 # -- modes ------------------------------------------------------------------------------------------------------------

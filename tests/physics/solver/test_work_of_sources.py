@@ -17,7 +17,10 @@ def _body(tau, *, w0=0.0, J=2.0):
 
 
 # torque on J = 2 kg m2, speed at the start and after 2 s
-QUICK = ("a window", "a governor", "until an angle", "a window of speed and time", "a sign", "a table from a corner on")
+QUICK = (
+    "a window", "a governor", "until an angle", "a window of speed and time", "a sign", "a table from a corner on",
+    "a narrow hill",
+)  # fmt: skip
 SOURCES = {
     "a step": (gb.piecewise((A, T > 0.5), (0, True)), 0.0, 3.0),
     "a ramp": (gb.piecewise((100 * (T - 0.5), T > 0.5), (0, True)), 0.0, 56.25),
@@ -30,6 +33,10 @@ SOURCES = {
     "a sign": (-3 * (1 + sp.sign(W - 1)), 5.0, 1.0),
     "the positive part": (sp.Max(0, T - 1) * 8, 0.0, 2.0),
     "a table from a corner on": (gb.Table([0, 1, 2], [0, 0, 6])(T), 0.0, 1.5),
+    # what is exactly 0 in floating point nearly everywhere
+    "a narrow pulse": (100 * gb.exp(-(((T - 1.3) / 0.01) ** 2)), 1.0, 1.0 + 0.5 * np.sqrt(np.pi)),
+    "a narrow hill": (30 * gb.exp(-(((PHI - 3) / 0.01) ** 2)), 2.0, np.sqrt(4 + 0.3 * np.sqrt(np.pi))),
+    "a smooth step": (A / 2 * (1 + gb.tanh((T - 1.5) / 0.005)), 0.0, 1.0),
 }
 
 

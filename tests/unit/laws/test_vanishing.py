@@ -56,6 +56,30 @@ def test_a_source_supplies_whatever_its_conditions_are_at_first(tau):
     assert derive(gb.Torque(tau=tau), frozenset({"housing"})).supplied is not None
 
 
+@pytest.mark.parametrize(
+    "tau",
+    [
+        gb.exp(-(((TIME - 17) / 0.01) ** 2)),
+        1 + gb.tanh((TIME - 17) / 0.01),
+        A * (1 - gb.tanh((SPEED + 17) / B)) - A * (1 - gb.tanh((SPEED + 18) / B)),
+        1 / sp.cosh((sp.sympify(ANGLE) - 17) / 0.01) ** 2,
+    ],
+)
+def test_what_floating_point_has_no_number_for_is_not_zero(tau):
+    assert derive(gb.Torque(tau=tau), frozenset({"housing"})).supplied is not None
+
+
+def test_identities_of_exponentials_of_one_argument_hold():
+    law = _law(gb.exp(-30 * TIME))
+    t = sp.Symbol("t", real=True)
+    for zero in (
+        sp.exp(-900 * t) * sp.exp(900 * t) - 1,
+        sp.tanh(t * 1000 - 17) - sp.sinh(t * 1000 - 17) / sp.cosh(17 - t * 1000),
+        sp.cosh(70 * t) - (sp.exp(70 * t) + sp.exp(-70 * t)) / 2,
+    ):
+        assert vanishes(zero, law)
+
+
 @pytest.mark.parametrize("phase", [TIME / 30, A / 1000], ids=["time", "a parameter"])
 def test_what_counts_whole_turns_supplies_though_it_starts_at_none(phase):
     assert derive(Counter(size=1.0, phase=phase), frozenset()).supplied is not None
