@@ -136,6 +136,8 @@ class Freezer:
         if isinstance(e, (sp.Max, sp.Min)) and self._stays(e):
             return e
         a = [self.freeze(x) for x in e.args]
+        if isinstance(e, sp.atan2) and self.pool.level(e) != CONSTANT:
+            return self._angle_of(*a)
         if isinstance(e, sp.Abs):
             return (2 * self._indicator(a[0]) - 1) * a[0]
         if isinstance(e, sp.sign):
@@ -226,7 +228,7 @@ class Freezer:
 
     def _indicator(self, surface: Any, name: str | None = None) -> Any:
         """1 where surface >= 0, else 0, as the mode symbol of a switch (or a plain condition on constants)."""
-        surface = self.freeze(surface)
+        surface = self._without_poles(self.freeze(surface))
         if surface.is_number:
             return sp.Integer(1 if surface >= 0 else 0)
         for switch in self.switches:
@@ -243,6 +245,33 @@ class Freezer:
         if surface.has(self.pool.own_mode):
             made.form, made.surface = surface, surface.xreplace({self.pool.own_mode: made.symbol})
         return made.symbol
+
+    def _without_poles(self, surface: Any) -> Any:
+        """n d in place of n/d, which is of the same sign: what changes it through infinity has to pass 0 to be located."""
+        tangents = (x for x in surface.atoms(sp.tan) if self.pool.level(x) != CONSTANT)
+        spelled = surface.xreplace({x: sp.sin(x.args[0]) / sp.cos(x.args[0]) for x in tangents})
+        if not any(self._may_pass_zero(x.base) for x in spelled.atoms(sp.Pow) if x.exp.is_Integer and x.exp < 0):
+            return surface
+        above, below = sp.fraction(sp.together(spelled), exact=True)
+        powers = [factor.as_base_exp() for factor in sp.Mul.make_args(below)]
+        poles = [(base, n) for base, n in powers if n.is_Integer and self._may_pass_zero(base)]
+        rest = sp.Mul(*(base**n for base, n in powers if (base, n) not in poles))
+        return above / rest * sp.Mul(*(base ** (n % 2) for base, n in poles)) if poles else surface
+
+    def _may_pass_zero(self, expr: Any) -> bool:
+        """Whether an expression of what moves may change its sign; not where a constant outweighs the waves beside it."""
+        constant, waves = expr.as_independent(*expr.free_symbols, as_Add=True)
+        terms = [x.as_coeff_Mul() for x in sp.Add.make_args(waves)]
+        waves_alone = all(wave.func in (sp.sin, sp.cos) for _, wave in terms)
+        outweighed = waves_alone and bool(abs(constant) > sum(abs(size) for size, _ in terms))
+        return self.pool.level(expr) != CONSTANT and not outweighed
+
+    def _angle_of(self, y: Any, x: Any) -> Any:
+        """atan2(y, x) by the half angles from the axis that (x, y) is closer to; it jumps where y passes 0 left of the
+        origin."""
+        right, up, size = self._indicator(x), self._indicator(y), sp.sqrt(x**2 + y**2)
+        left = (2 * up - 1) * sp.pi - 2 * sp.atan(y / (size - x))
+        return Where(right, 2 * sp.atan(y / (size + x))) + Where(1 - right, left)
 
     def _dead_zone(self, e: Any) -> Any:
         """With the side m = -1, 0, 1 as one mode: g = m^2 x - m b, its integral g^2/2, its slope m^2."""

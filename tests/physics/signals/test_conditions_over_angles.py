@@ -220,3 +220,50 @@ def test_a_threshold_that_comes_from_outside_is_crossed_as_often_as_it_is(method
     edges = np.array([0.0, *roots, 0.5])
     on = np.sin(4 * start * (edges[1:] + edges[:-1]) / 2) > values((edges[1:] + edges[:-1]) / 2)
     assert abs(run["counter.w"][-1] - np.sum(np.diff(edges)[on])) < 1e-9
+
+
+HALF = np.pi / 2
+# a condition, and where it holds: from an angle on, over a length, again after each period
+THROUGH_INFINITY = {
+    "a tangent": (gb.tan(PHI / 2) > 1, HALF, HALF, 4 * HALF),
+    "a narrow tangent": (gb.tan(PHI / 2) > 200, 2 * np.arctan(200), 2 * HALF - 2 * np.arctan(200), 4 * HALF),
+    "over a tangent": (1 / gb.tan((PHI - 1) / 2) > 3, 1.0, 2 * np.arctan(1 / 3), 4 * HALF),
+    "over a cube": (1 / (gb.sin(PHI) - 0.5) ** 3 > 0, HALF / 3, 4 * HALF / 3, 4 * HALF),
+    "the size of a quotient": (abs(2 / gb.sin(PHI / 2) - 3) > 1, -14 * HALF / 3, 16 * HALF / 3, 8 * HALF),
+    "a hyperbola": (1 / (PHI - 20) > 100, 20.0, 0.01, 1e9),
+    "the angle of a pointer": (
+        sp.atan2(sp.sin(sp.sympify(PHI)), sp.cos(sp.sympify(PHI))) > 3,
+        3.0,
+        np.pi - 3,
+        4 * HALF,
+    ),
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("name", THROUGH_INFINITY)
+@pytest.mark.few(4)
+def test_conditions_that_change_through_infinity_or_by_a_jump_are_met_there(name, method):
+    """Work over the angle; neither the pole nor the crossing before it is passed over, however long the steps are."""
+    condition, start, length, period = THROUGH_INFINITY[name]
+    model = crank(gb.piecewise((10, condition), (0, True)), w0=50.0)
+    for rtol in (1e-4, 1e-9):
+        run = gb.simulate(model, t_end=1.0, method=method, rtol=rtol)
+        phi, w = run["crank.phi"][-1], run["crank.w"][-1]
+        begins = start + period * np.arange(10)
+        width = np.sum(np.clip(phi - begins, 0.0, length) - np.clip(-begins, 0.0, length))
+        assert 0.5 * (w**2 - 50.0**2) == pytest.approx(10 * width, abs=1e-7), rtol
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.few(1)
+def test_the_angle_of_a_pointer_as_a_torque_jumps_where_it_does(method):
+    """atan2 of sine and cosine is the angle within half a turn: its work is that of a spring."""
+    phi = sp.sympify(PHI)
+    model = crank(10 * sp.atan2(sp.sin(phi), sp.cos(phi)), w0=50.0)
+    for rtol in (1e-4, 1e-9):
+        run = gb.simulate(model, t_end=1.0, method=method, rtol=rtol)
+        within = (run["crank.phi"] + np.pi) % (2 * np.pi) - np.pi
+        smooth = np.abs(np.abs(within) - np.pi) > 1e-6
+        work = 0.5 * (run["crank.w"] ** 2 - 50.0**2)
+        assert np.abs(work - 5 * within**2)[smooth].max() < 10 * rtol * 50.0**2
