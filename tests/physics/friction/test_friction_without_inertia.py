@@ -248,12 +248,13 @@ def _star(seed: int, arms: int, *, gaps: bool) -> tuple[gb.Drivetrain, np.ndarra
     return rig, -np.clip(c * w, -share, share)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("gaps", [False, True])
+@pytest.mark.parametrize("gaps", [False, pytest.param(True, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
-    ("seed", "arms"), [(0, 1), (2, 4), *(pytest.param(s, 5, marks=pytest.mark.long) for s in range(6))]
+    ("seed", "arms"),
+    [(4, 25), *(pytest.param(*of, marks=pytest.mark.long) for of in ((0, 1), (2, 4), *((s, 5) for s in range(6))))],
 )
 def test_friction_whose_capacity_is_a_table_over_time_starts_stuck_or_sliding(seed: int, arms: int, gaps: bool) -> None:
+    """Of 25 arms, more slide than a search through sets of modes would come to."""
     rig, torques = _star(seed, arms, gaps=gaps)
     run = gb.simulate(rig, t_end=0.5, outputs=[f"brake{i}.torque" for i in range(arms)])
     assert [run[f"brake{i}.torque"][0] for i in range(arms)] == pytest.approx(torques, rel=1e-9)
