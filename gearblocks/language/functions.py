@@ -109,6 +109,8 @@ def rpm(speed: Any) -> Any:
     if isinstance(speed, (int, float)) or hasattr(speed, "_expr_") or is_sympy(speed):
         return speed / 60.0 * (2.0 * math.pi)
     try:
+        if None in np.asarray(speed, dtype=object).ravel().tolist():  # numpy's number for it is NaN
+            raise TypeError
         return np.asarray(speed, dtype=np.float64) / 60.0 * (2.0 * math.pi)
     except (TypeError, ValueError):
         raise ParameterError(

@@ -118,9 +118,8 @@ class _Leaf(NoWholeNumbers):
 class Parameter(_Leaf, metaclass=Tidy):
     """One tunable value that may stand in any numeric field or expression of a train.
 
-    name: how it is set; value: in `unit`, such as "N m/rad" or "rpm", and so are the values that a run gives it; a unit that
-    is not known is refused. si: the value in SI and radians, which laws read. Two Parameters of one name in a train must be
-    equal.
+    name: how it is set; value: in `unit`, such as "N m/rad" or "rpm", and so are the values that a run gives it.
+    si: the value in SI and radians, which laws read. Two Parameters of one name in a train must be equal.
     """
 
     name: str
@@ -129,8 +128,7 @@ class Parameter(_Leaf, metaclass=Tidy):
 
     def __post_init__(self) -> None:
         _check_name("Parameter", self.name)
-        what = f"Parameter '{self.name}'"
-        object.__setattr__(self, "value", in_unit(f"{what}: value", self.value, check_unit(what, self.unit)))
+        object.__setattr__(self, "value", _in_its_unit("Parameter", self.name, "value", self.value, self.unit))
 
     @property
     def si(self) -> float:
@@ -146,8 +144,7 @@ class Parameter(_Leaf, metaclass=Tidy):
 class Input(_Leaf, metaclass=Tidy):
     """A value from outside: a number, Table or callable given to simulate, a variable of the FMU.
 
-    start: its value as long as nothing is connected, in `unit`, in which a run gives its values too. Inputs of one name are
-    one input.
+    start: its value while nothing is connected, in `unit`, in which runs give theirs. Inputs of one name are one input.
     """
 
     name: str
@@ -156,8 +153,7 @@ class Input(_Leaf, metaclass=Tidy):
 
     def __post_init__(self) -> None:
         _check_name("Input", self.name)
-        what = f"Input '{self.name}'"
-        object.__setattr__(self, "start", in_unit(f"{what}: start", self.start, check_unit(what, self.unit)))
+        object.__setattr__(self, "start", _in_its_unit("Input", self.name, "start", self.start, self.unit))
 
     @property
     def si(self) -> float:
@@ -166,6 +162,16 @@ class Input(_Leaf, metaclass=Tidy):
 
     def _expr_(self) -> Expr:
         return Expr("input", self)
+
+
+def _in_its_unit(kind: str, name: str, field: str, value: Any, unit: str) -> float:
+    """The number that a Parameter or an Input begins with, in its unit."""
+    try:
+        return in_unit(f"{kind} '{name}': {field}", value, check_unit(f"{kind} '{name}'", unit))
+    except ParameterError as error:
+        if unit != "1" or not isinstance(value, str):
+            raise
+        raise ParameterError(f"{error}: give the {kind} its unit, as gb.{kind}('n', 3000, 'rpm') has it") from None
 
 
 def _check_name(kind: str, name: str) -> None:
