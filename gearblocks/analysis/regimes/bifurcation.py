@@ -269,8 +269,8 @@ def _check(carry: bool, labels: str, executor: Any, threads: int | None, store: 
 def _check_periods(labels: str, transient: int, keep: int, longest: int) -> None:
     if labels not in LABELS:
         raise ParameterError(f"labels = {labels!r} must be 'quick' or 'full'")
-    if transient < 0:
-        raise ParameterError(f"transient = {transient} must be 0 or more periods")
+    if transient < 0 or longest < 1:
+        raise ParameterError(f"transient = {transient} must be 0 or more periods, longest = {longest} 1 or more")
     if keep <= 2 * longest:
         raise ParameterError(
             f"keep = {keep} points are too few to see a period of longest = {longest} repeat: give keep >= {2 * longest + 1} "
