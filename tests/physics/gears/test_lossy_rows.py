@@ -192,6 +192,41 @@ def test_a_lossy_gear_beside_a_stuck_bearing_is_stuck_as_long_as_it(place: int) 
     assert max(np.unique([e.t for e in run.events], return_counts=True)[1]) == 2
 
 
+HOLDS = {
+    "a brake beside a": (gb.LossyGear(ratio=3.0, efficiency=(0.7, 0.6)), gb.Brake(capacity=2.2), 0),
+    "a clutch to the ground beside b": (
+        gb.LossyGear(ratio=0.5, loss_table=((0.0, 0.95, 0.9, 0.0, 0.0), (5.0, 0.8, 0.7, 0.1, 0.1))), gb.Clutch(capacity=1.1), 1,
+    ),
+    "a dry load beside the wheel of a worm": (WORM, gb.SpeedLoad(coeffs=(8.0, 0.0, 0.0)), 1),
+    "a bearing with a peak beside a": (
+        gb.LossyGear(ratio=-1.5, efficiency=(0.8, 0.8), bearing=(0.2, 0.1)), gb.BearingFriction(coulomb=2.0, peak=1.4), 0,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("method", "rtol"), [("dp5", 1e-4), ("dp8", 1e-9), ("rodas", 1e-6), ("auto", 1e-6)])
+@pytest.mark.parametrize("name", HOLDS)
+@pytest.mark.few(4)
+def test_whatever_holds_its_shaft_a_lossy_gear_rests_in_its_mode_and_changes_it_once(
+    name: str, method: str, rtol: float
+) -> None:
+    gear, hold, place = HOLDS[name]
+    rig = gb.Drivetrain("held")
+    bodies = [rig.add(f"body{i}", gb.Inertia(J=J)) for i, J in enumerate((0.1, 1.0))]
+    rig.chain(rig.add("torque", gb.Torque(tau=5 * gb.sin(6 * gb.time))), bodies[0], rig.add("gear", gear), bodies[1])
+    held = rig.add("hold", hold)
+    rig.connect(bodies[place].b, held.flange if isinstance(hold, gb.SpeedLoad) else held.a)
+    if isinstance(hold, gb.Clutch):
+        rig.connect(held.b, rig.add("ground", gb.Fixed()).flange)
+    run = gb.simulate(rig, t_end=2.0, method=method, rtol=rtol)
+    times = [e.t for e in run.events]
+    rests = (run["body0.w"] == 0.0) & ~np.isin(run.t, times)
+    (mode,) = (name for name in run.names if name.startswith("gear.") and name.endswith(".mode"))
+    assert rests.any() and (run[mode][rests] == 0.0).all()
+    assert "hold.mode" not in run.names or (run["hold.mode"][rests] == 0.0).all()
+    assert max(np.unique(times, return_counts=True)[1]) <= 3
+
+
 @pytest.mark.long
 def test_eight_lossy_gears_in_a_row_turn_back_together() -> None:
     losses = [(0.9, 0.8, 0.02, 0.02), (0.8, 0.7, 0.0, 0.0), (1.0, 1.0, 0.0, 0.0), (0.95, 0.9, 0.02, 0.05)]
