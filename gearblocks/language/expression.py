@@ -359,6 +359,8 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
         return {"<": sp.Lt, "<=": sp.Le, ">": sp.Gt, ">=": sp.Ge}[e.op](*a)
     if e.op == "Piecewise":
         return sp.Piecewise(*((v, True if c == 1 else c) for v, c in zip(a[::2], a[1::2], strict=True)))
+    if e.op == "exp" and a[0].is_Add:  # exp(x + 1000.0) would become exp(1000.0) exp(x), infinite times 0
+        a = [sp.Add(*(sp.Rational(x) if x.is_Float else x for x in a[0].args))]
     return getattr(sp, e.op)(*a)
 
 
@@ -374,9 +376,7 @@ def from_sympy(x: Any) -> Expr:
     """A sympy expression of gb.time, Parameters, Inputs and senses. GearblocksError names a foreign symbol."""
     import sympy as sp
 
-    if hasattr(x, "leaf"):
-        leaf = x.leaf
-        assert isinstance(leaf, Expr)
+    if isinstance(leaf := getattr(x, "leaf", None), Expr):
         return leaf
     if x in (sp.true, sp.false):
         return number(float(bool(x)))

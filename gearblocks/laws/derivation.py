@@ -45,6 +45,7 @@ from gearblocks.laws.prescribed_motion import (
     linear_tie,
     prescribed_angle,
     prescribed_speed,
+    written_out,
 )
 from gearblocks.laws.relative_angles import in_coordinates
 from gearblocks.laws.switched_constraints import along, constraint_laws, constraint_loss, sizes_of_slips, sliding_force
@@ -95,7 +96,7 @@ def derive(
         else:
             law.prescribed.append(prescribed_angle(law, kind, flanges, zero, tie.rates))
     speeds = {f.w for f in flanges.values()}
-    zeros = [sp.expand(pool.spelled(m.zero, speeds)) for m in found[Motion]]
+    zeros = [written_out(pool.spelled(m.zero, speeds), speeds) for m in found[Motion]]
     law.prescribed += [prescribed_speed(law, kind, flanges, zero) for zero in zeros]
     law.constraints = constraint_laws(pool, flanges, [*found[Stick], *found[Stop], *found[LossyTie]])
     law.rates |= {x: sp.Integer(0) for k in law.constraints.values() for x in (k.impulse, k.impacts) if x is not None}
@@ -131,12 +132,12 @@ def _relation(law: Law, tie: Tie, flanges: Mapping[str, Any], inverted: bool) ->
     """What stays 0, solved for its other flange where that is wanted, or where the first one is grounded; notes which flange
     that is."""
     angles = {f.phi for f in flanges.values()}
-    zero = sp.expand(law.pool.spelled(tie.zero, angles))
+    zero = written_out(law.pool.spelled(tie.zero, angles), angles)
     if tie.inverse is None or not tie.inverse[0].phi.is_Symbol:
         return zero
     law.invertible = _flange_name(flanges, tie.inverse[0])
     if inverted or not can_be_solved(zero, flanges):
-        return sp.expand(law.pool.spelled(tie.inverse[1](), angles))
+        return written_out(law.pool.spelled(tie.inverse[1](), angles), angles)
     return zero
 
 

@@ -7,7 +7,7 @@ flanges.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -42,6 +42,19 @@ class PrescribedMotion:
         )
 
 
+def written_out(zero: Any, unknowns: Set[Any]) -> Any:
+    """A relation as a sum of products of the unknowns. What time alone moves and exponentials stay as they were given:
+    multiplied out, exp(-((t - 17)/0.01)^2) would be inf times 0."""
+    given: dict[Any, Any] = {}
+
+    def hide(e: Any) -> Any:
+        if isinstance(e, sp.exp) or (e.args and e.free_symbols.isdisjoint(unknowns) and e.has(time_symbol())):
+            return given.setdefault(e, sp.Dummy(real=True))
+        return e.func(*map(hide, e.args)) if e.args else e
+
+    return sp.expand(hide(zero)).xreplace({dummy: e for e, dummy in given.items()})
+
+
 def is_constant_tie(law: Any, flanges: Mapping[str, Any], zero: Any) -> bool:
     """Whether a relation of angles is a rigid constraint: sum c_f phi_f = 0, or = the start angle of the block."""
     slopes = [derivative(zero, f.phi) for f in flanges.values() if f.phi.is_Symbol]
@@ -65,7 +78,7 @@ def prescribed_angle(
     number as its factor. rates: its speed and acceleration, where they are given beside."""
     name, slope = _pivot(kind, zero, {n: f.phi for n, f in flanges.items()})
     flange = flanges[name]
-    angle = -sp.expand(zero - slope * flange.phi) / slope
+    angle = -zero.xreplace({flange.phi: sp.Integer(0)}) / slope
     if rates is None:
         _check_smooth(law.pool, kind, angle)
     others = {n: f for n, f in flanges.items() if n != name}
@@ -109,7 +122,7 @@ def _with_names(
 def prescribed_speed(law: Any, kind: str, flanges: Mapping[str, Any], zero: Any) -> PrescribedMotion:
     """The prescribed motion w = F(t, states) + sum gains w of a relation of speeds alone."""
     name, slope = _pivot(kind, zero, {n: f.w for n, f in flanges.items()})
-    speed = -sp.expand(zero - slope * flanges[name].w) / slope
+    speed = -zero.xreplace({flanges[name].w: sp.Integer(0)}) / slope
     gains = {n: g for n, f in flanges.items() if n != name and (g := derivative(speed, f.w)) != 0}
     if any(g.free_symbols for g in gains.values()):
         raise ModelError(f"{kind}: the prescribed speed '{zero}' is not linear in the flange speeds")

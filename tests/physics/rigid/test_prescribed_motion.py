@@ -38,6 +38,45 @@ def test_a_prescribed_angle_is_kept_exactly() -> None:
     assert abs(run.energy.residual) < 1e-10
 
 
+BUMPS = {
+    "a bump": (gb.exp(-(((gb.time - 0.5) / 0.01) ** 2)), lambda t: np.exp(-(((t - 0.5) / 0.01) ** 2))),
+    "a late bump": (gb.exp(-(((gb.time - 17) / 0.01) ** 2)), lambda t: np.exp(-(((t - 17) / 0.01) ** 2))),
+    "a soft step": (1 / (1 + gb.exp(-(gb.time - 0.5) / 2.5e-3)), lambda t: 1 / (1 + np.exp(-(t - 0.5) / 2.5e-3))),
+}
+
+
+@pytest.mark.parametrize("name", BUMPS)
+def test_a_motion_that_is_level_but_for_a_moment_is_followed(name: str) -> None:
+    """Its exponent is not multiplied out: exp(a) exp(b) is infinite times 0."""
+    bump, true = BUMPS[name]
+    rig = gb.Drivetrain("bump")
+    for i, drive in enumerate((gb.Speed(w=3 + 0.2 * bump), gb.Angle(phi=0.2 * bump))):
+        body, load = rig.add(f"body{i}", gb.Inertia(J=0.7)), rig.add(f"load{i}", gb.Inertia(J=0.2))
+        rig.chain(rig.add(f"drive{i}", drive), body, rig.add(f"shaft{i}", gb.Shaft(k=100.0, c=0.5)), load)
+    near = 17.0 if name == "a late bump" else 0.5
+    run = gb.simulate(rig, t=[0.0, *(near + np.linspace(-0.05, 0.05, 41))], rtol=1e-9)
+    assert np.abs(run["body0.w"] - 3 - 0.2 * true(run.t)).max() < 1e-12
+    assert np.abs(run["body1.phi"] - 0.2 * true(run.t)).max() < 1e-13
+    assert run.energy.residual < 1e-7
+
+
+def test_a_cam_of_ones_own_with_a_narrow_nose_is_passed() -> None:
+    class Cam(gb.Block):
+        a, b = gb.Flange("shaft"), gb.Flange("follower")
+
+        def physics(self, s):  # type: ignore[no-untyped-def]
+            yield gb.Tie(s.b.phi - s.a.phi - 0.1 * sp.exp(-((4 * (s.a.phi - 30)) ** 2)))
+
+    rig = gb.Drivetrain("cam")
+    rig.chain(
+        rig.add("shaft", gb.Inertia(J=1.0, w0=50.0)), rig.add("cam", Cam()), rig.add("follower", gb.Inertia(J=0.1))
+    )
+    run = gb.simulate(rig, t_end=1.0, rtol=1e-9)
+    assert np.ptp(run["follower.phi"] - run["shaft.phi"]) > 0.09
+    energy = run["shaft.w"] ** 2 / 2 + 0.1 * run["follower.w"] ** 2 / 2
+    assert energy == pytest.approx(1375.0, rel=1e-7)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("beside", ["parallel", "through a third", "driving to ground", "driven to ground"])
 def test_an_angle_between_two_turning_shafts_lets_springs_go_any_way_beside_it(beside: str) -> None:

@@ -121,6 +121,24 @@ def test_a_narrow_function_that_a_user_writes_is_seen(law):
             assert run["rotor.phi"][-1] == pytest.approx(right[0], rel=30 * rtol), (method, rtol)
 
 
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    ("law", "gained"),
+    [
+        (1 / (1 + gb.exp(-(gb.time - 0.5) / 5e-4)), 0.5),
+        (gb.exp(1000 * (gb.time - 1) - 0.5) * 1e3, np.exp(-0.5)),
+    ],
+    ids=["a soft step", "an exponential"],
+)
+@pytest.mark.few(3)
+def test_exponents_far_beyond_what_a_number_holds_are_those_that_were_written(law, gained, method):
+    """exp(1000 - 2000 t) is not exp(1000) exp(-2000 t)."""
+    rig = gb.Drivetrain("soft step")
+    rig.chain(rig.add("source", gb.Torque(tau=law)), rig.add("rotor", gb.Inertia(J=1.0, w0=3.0)))
+    run = gb.simulate(rig, t_end=1.0, rtol=1e-8, method=method)
+    assert run["rotor.w"][-1] - 3.0 == pytest.approx(gained, abs=1e-6)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("limit", [0.5, 0.05])
 def test_a_belt_that_creeps_at_its_limit_is_seen_to_turn(limit):
