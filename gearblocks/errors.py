@@ -290,7 +290,15 @@ def arguments_told(kind: _C) -> _C:
 
 ELSEWHERE = {
     "Spring": "Shaft", "SpringDamper": "Shaft", "Disc": "Inertia", "Disk": "Inertia", "Flywheel": "Inertia", "Ground": "Fixed",
-    "ElastoBacklash": "Lash", "Position": "Angle", "Planetary": "IdealPlanetary",
+    "ElastoBacklash": "Lash", "ElastoBacklash2": "Lash", "ElastoGap": "Lash", "Position": "Angle", "Move": "Angle",
+    "Accelerate": "Acceleration", "SupportFriction": "BearingFriction", "FreeWheel": "Freewheel", "Coupling": "IdealGear",
+    "IdealLever": "IdealGear", "IdealGearR2T": "Rack", "IdealRollingWheel": "Rack", "EddyCurrentTorque": "EddyCurrentBrake",
+    "EddyCurrentForce": "EddyCurrentBrake", "LinearSpeedDependentTorque": "SpeedLoad", "LinearSpeedDependentForce": "SpeedLoad",
+    "QuadraticSpeedDependentTorque": "SpeedLoad", "QuadraticSpeedDependentForce": "SpeedLoad", "TorqueStep": "Torque",
+    "ConstantTorque": "Torque", "Torque2": "Torque", "ForceStep": "Force", "ConstantForce": "Force", "Force2": "Force",
+    "ConstantSpeed": "Speed", "HeatCapacitor": "ThermalMass", "ThermalConductor": "ThermalConductance",
+    "Convection": "ThermalConductance", "CombiTimeTable": "Table", "Pulse": "pulse", "Trapezoid": "trapezoid",
+    "Planetary": "IdealPlanetary",
     "Motor": "Torque", "Signal": "Input", "Constant": "Parameter", "min": "minimum", "max": "maximum", "where": "piecewise",
     "load": "Trajectory.load", "run": "simulate", "solve": "simulate", "Simulation": "simulate", "Train": "Drivetrain",
     "System": "Drivetrain", "eigenmodes": "modes",

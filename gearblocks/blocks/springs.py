@@ -12,11 +12,11 @@ from gearblocks.blocks.play import Play
 from gearblocks.blocks.rigid_impact import hits, impact, without
 from gearblocks.language.block import Block
 from gearblocks.language.contributions import Contribution, Energy, Force, Parts, Rate, Shows, Stick, Tie
-from gearblocks.language.expression import as_expr
+from gearblocks.language.expression import Expr, as_expr
 from gearblocks.language.fields import Flange, effect, option, param, signal
 from gearblocks.language.heat import HEAT, HeatPort
 from gearblocks.language.signals import Signal, Value, constant_value, number_or_zero
-from gearblocks.language.watches import Watch
+from gearblocks.language.watches import Watch, beyond_both
 
 
 class Shaft(Block):
@@ -132,6 +132,15 @@ class Shaft(Block):
                 yield Watch(f"{spring}torque", "the torque exceeds what the slider holds", most)
             else:
                 yield Watch(f"{spring}twist", "the twist exceeds where the slider slips", most / constant_value(own))
+
+    def beyond_tables(self) -> Iterator[tuple[str, Watch]]:
+        """Tables over the twist."""
+        leaves = self.torque.leaves() if isinstance(self.torque, Expr) else ()
+        over = [leaf.args[0] for leaf in leaves if leaf.op == "table" and leaf.args[1].op == "local"]
+        rest = 0.0 if self.rest is None else constant_value(self.rest)
+        for table in () if self.J is not None else (self.torque, *over):
+            yield from (("torque", watch) for watch in beyond_both(table, "twist", rest))
+        yield from super().beyond_tables()
 
     def physics(self, s: Any) -> Iterator[Contribution]:
         """torque = k twist + c twist'."""

@@ -83,6 +83,7 @@ def lay_out_massless(g: Generator) -> None:
     ]  # model/start_values.py checks the second
     pattern = eliminate(assembly.n_massless, pairs, forces)
     g.massless = Massless(rows, assembly.floating_bases, damped, free, pattern, affine, _shifts(g))
+    g.massless.switched = any(s.role == "mode" for n in balances for s in g.codes[n].law.pool.roles.values())
     if forces:
         g.massless.by_mode = frozenset(i for i, s in enumerate(sprung) if s and damped[i]) - forces
     for code in g.codes:

@@ -104,7 +104,8 @@ class Balance:
 class Massless:
     """Massless groups by number. floating_bases: those that stand for several; damped: or not; free_start: whether the
     angle at the start is one of balance. by_mode: groups beside friction, which springs alone hold where it slides and nothing
-    damps them. pattern: of their coupling; affine: whether one Newton step gives the speeds.
+    damps them. pattern: of their coupling; affine: whether one Newton step gives the speeds;
+    switched: whether the laws have modes, whose frozen branch may have no balance beyond the crossing that ends it.
     shifts: by state, what an angle moves it.
     """
 
@@ -116,6 +117,7 @@ class Massless:
     affine: bool
     shifts: list[dict[int, Exact]]
     by_mode: frozenset[int] = frozenset()
+    switched: bool = False
 
     @property
     def rules(self) -> list[int]:

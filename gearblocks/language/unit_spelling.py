@@ -33,6 +33,13 @@ def same_letters(given: str, wanted: str) -> str:
     return f" - did you mean '{wanted}'?" if alike else ""
 
 
+def of_no_factor(given: str, wanted: str) -> str:
+    """The way out from degrees Celsius, whose 0 is not that of K, and from a slope in % for an angle; else ""."""
+    if re.sub(r"\s", "", given).casefold() in ("degc", "celsius", "degcelsius", "degreecelsius", "degreescelsius"):
+        return "; temperatures are in K: 20 degrees Celsius are 293.15 K"
+    return "; a slope of 5 % is the angle sympy.atan(0.05), '2.86 deg'" if given == "%" and wanted == "rad" else ""
+
+
 def in_one_piece(number: str, behind: str) -> str:
     """A number whose thousands stand apart ("20 000 N m", "20'000") and the unit behind it as they are read, else ""."""
     match = _GROUPS.match(behind)

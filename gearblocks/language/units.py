@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError
 from gearblocks.language.expression import finite_number
-from gearblocks.language.unit_spelling import in_one_piece, near_unit, same_letters
+from gearblocks.language.unit_spelling import in_one_piece, near_unit, of_no_factor, same_letters
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """The base units of FMI, in its order."""
@@ -178,7 +178,7 @@ def _factor(word: str, text: str) -> tuple[Unit, int]:
     match = _FACTOR.fullmatch(word)
     one = None if match is None else _named(match[1])
     if match is None or one is None:
-        way = near_unit(_plain(text), _names()) or f"; known are {known_units()}"
+        way = of_no_factor(_plain(text), "") or near_unit(_plain(text), _names()) or f"; known are {known_units()}"
         raise ParameterError(f"unit '{text}': '{word}' is no unit known here{way}")
     return one, int(match[2] or 1)
 
@@ -240,9 +240,7 @@ def check_unit(what: str, unit: Any) -> Unit:
 
 def in_unit(what: str, value: Any, unit: Unit) -> float:
     """A finite number in a unit: a plain one is in it, one that brings a unit is converted."""
-    if has_unit(value):
-        return unit.of_si(number_in_si(what, value, unit.text))
-    return finite_number(what, value)
+    return unit.of_si(number_in_si(what, value, unit.text)) if has_unit(value) else finite_number(what, value)
 
 
 def declared(what: str, unit: Any) -> Unit:
@@ -295,10 +293,11 @@ def given(value: Any, unit: str, other: str) -> Given:
 
 def same_measure(what: str, given: Unit, wanted: Unit) -> None:
     """ParameterError where a unit measures something else than what is wanted."""
-    if not given.measures(wanted):
+    way = of_no_factor(_plain(given.text), wanted.text)
+    if way or not given.measures(wanted):
         raise ParameterError(
             f"{what} is in {given.text or '1'} ({given.si or '1'}), but what belongs here is in {wanted.text or '1'}"
-            f"{given.doubt(wanted)}{same_letters(given.text, wanted.text)}"
+            f"{given.doubt(wanted)}{same_letters(given.text, wanted.text)}{way}"
         )
 
 

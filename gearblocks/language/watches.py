@@ -41,6 +41,18 @@ def beyond(table: Any, output: str) -> Iterator[Watch]:
         yield Watch(output, f"beyond its last point, {table.x[-1]:.6g}, it is held", float(table.x[-1]))
 
 
+def beyond_both(table: Any, output: str, shift: float = 0.0) -> Iterator[Watch]:
+    """That an output, less a shift, leaves a Table over it whose end values are held although a line at an end rises or
+    falls: sizes alone are watched, so that of two ends the farther one counts."""
+    if not isinstance(table, Table) or (table.kind, table.periodic, table.extrapolate) != ("linear", False, "hold"):
+        return
+    low, high = float(table.x[0]) + shift, float(table.x[-1]) + shift
+    level = (table.y[0] == table.y[1], table.y[-1] == table.y[-2])
+    limit = max(-low, high)
+    if isfinite(limit) and limit > 0 and not (all(level) or (level[0] and -low > high) or (level[1] and high > -low)):
+        yield Watch(output, f"beyond its points, {table.x[0]:.6g} to {table.x[-1]:.6g}, it is held", limit)
+
+
 @final
 @arguments_told
 @dataclass(frozen=True, slots=True)

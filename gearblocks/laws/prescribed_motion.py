@@ -178,8 +178,10 @@ def _rate(law: Any, kind: str, expr: Any, speeds: Mapping[Any, Any]) -> Any:
     """The time derivative of an expression of time, states and the angles in `speeds`."""
     for x in expr.free_symbols:
         if law.pool.roles[x].role == "input":
+            beside = ", w and alpha beside it" if kind.startswith("Angle ") else ""
             raise ModelError(
-                f"{kind}: the Input '{x}' has no time derivative, which a rigid motion needs: give filter=rad/s, or compliance"
+                f"{kind}: the Input '{x}' has no time derivative, which a rigid motion needs: give filter=rad/s{beside}, or "
+                "compliance"
             )
         if law.pool.roles[x].role == "sense":
             raise ModelError(f"{kind}: a sensed output ('{x}') cannot prescribe a rigid motion; give compliance")

@@ -30,8 +30,11 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
     if code == Code.ERR_CHATTER and report.value < 0:
         switch = program.switches[report.index].name
-        cause = f"{-report.value:.0f} swings of its {switch} about its limit, too narrow to be told, come to no rest"
+        its = f"its {switch}" if switch else "its slip"
+        cause = f"{-report.value:.0f} swings of {its} about its limit, too narrow to be told, come to no rest"
         remedy = _NARROW
+        if component_of(program, code, report.index) in {slip.component for slip in program.algebraic_slips}:
+            remedy = f"{_FALLING}; or {_NARROW}"
     if code == Code.ERR_LOSS and report.value == _TWO_MOTIONS:
         cause = _SEVERAL
     elif code == Code.ERR_LOSS and report.value == _SHARED_LOAD:
@@ -53,11 +56,10 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         )
     elif code in _AT_INFINITY and (source := _source(program, sim)):
         body = component_of(program, code, report.index)
-        return (
-            source[0],
-            source[1],
-            _OF_A_SOURCE + (f"; it moves '{body}'" if body and code == Code.ERR_NAN_RATE else ""),
-        )
+        moves = f"; it moves '{body}'" if body and code == Code.ERR_NAN_RATE else ""
+        if _has_no_speed(program, sim, source[0]):
+            return source[0], _NO_SPEED, _OF_A_LOAD + moves
+        return source[0], source[1], _OF_A_SOURCE + moves
     return component_of(program, code, report.index), cause, remedy
 
 
@@ -74,6 +76,13 @@ def _free_flange(program: Program, sim: Simulation) -> str | None:
     alone = any(count[flange.rpartition(".")[0]] == 1 for flange in free)  # of a source that may have no number itself
     first = (flange for flange in free if flange.rpartition(".")[0] in slips)
     return next(first, None) or (None if alone else next(iter(free), None))
+
+
+def _has_no_speed(program: Program, sim: Simulation, element: str) -> bool:
+    """Whether a flange of an element has no speed where a run stopped: one without inertia, as all others are states."""
+    names = program.output_numbers
+    speeds = [names[name] for name in names if name.startswith(f"{element}.") and name.endswith(".w")]
+    return any(np.isnan(values[speeds]).any() for values in _ahead(sim, len(program.switches)))
 
 
 def _source(program: Program, sim: Simulation) -> tuple[str, str] | None:
@@ -175,8 +184,21 @@ _OF_A_SOURCE = (
     "keep away from there"
 )
 
+_NO_SPEED = "its shaft has no inertia, and no speed at which the torques on it are in balance"
+_OF_A_LOAD = (
+    "a load that has come to its largest torque lets go there (a brake by eddy currents, a tyre at its grip): give the shaft "
+    "an Inertia; or its law has no number: look for a division by 0, a root or logarithm of less than 0"
+)
+"""Of a law at a shaft without inertia."""
+
+_FALLING = (
+    "where its friction falls with the slip by more than the c beside it damps, the slip of a shaft without inertia jumps: "
+    "give the springs more c, or the shaft an Inertia"
+)
+
 _FREE = (
-    "in this mode nothing holds it: friction that is free, teeth in their gap and clipped contact damping hold nothing; "
+    "in this mode nothing holds it: friction that is free, teeth in their gap and clipped contact damping hold nothing, and "
+    "friction that falls with the slip by more than the c beside damps lets go; "
     "give a spring beside it a c, a gap contact_damping='always', or the shaft an Inertia, or a Damper to the ground "
     "(of 1e-5 of the c of its gaps: what has inertia hardly feels it)"
 )

@@ -83,10 +83,9 @@ class Watched(Sequence[WatchedEffect]):
 
 def _left(row: WatchedEffect) -> str:
     far = max(row.high, -row.low)
-    return (
-        f"the table of '{row.effect}' is left first at {row.first:.6g} s, up to {far:.4g} ({row.output}): {row.words}; "
-        "give it points there, or extrapolate='linear'"
-    )
+    rows = row.effect.endswith(".loss_table")
+    way = "draw its last row on" if rows else "give it points there, or extrapolate='linear'"
+    return f"the table of '{row.effect}' is left first at {row.first:.6g} s, up to {far:.4g} ({row.output}): {row.words}; {way}"
 
 
 def _sentence(effect: str, rows: Sequence[WatchedEffect]) -> str:

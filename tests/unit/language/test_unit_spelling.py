@@ -56,3 +56,15 @@ def test_what_only_looks_like_thousands_is_read_as_before() -> None:
     with pytest.raises(ParameterError, match="'3' is no unit known here"):
         number_in_si("force", "2 3 N", "N")
     assert number_in_si("rate", "3 1/s", "1/s") == 3.0
+
+
+@pytest.mark.parametrize("text", ["25 degC", "25 °C", "25 deg C", "25 celsius"])
+def test_degrees_celsius_are_refused_with_the_way_to_kelvin(text: str) -> None:
+    with pytest.raises(ParameterError, match=r"temperatures are in K: 20 degrees Celsius are 293\.15 K"):
+        number_in_si("T0", text, "K")
+
+
+def test_a_slope_in_percent_is_no_angle() -> None:
+    with pytest.raises(ParameterError, match=r"grade = '5 %' is in %.*sympy\.atan\(0\.05\)"):
+        number_in_si("grade", "5 %", "rad")
+    assert number_in_si("slip", "5 %", "1") == 0.05

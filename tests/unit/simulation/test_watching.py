@@ -44,6 +44,27 @@ def test_a_table_that_ends_level_goes_on_or_is_not_left_says_nothing(table: gb.T
     assert not any(row.times for row in run.watched.tables)
 
 
+@pytest.mark.parametrize(
+    ("x", "rest", "limit"), [((-0.1, 0.1), 0.0, 0.1), ((-0.2, 0.1), 0.0, 0.2), ((-0.1, 0.1), 0.3, 0.4)]
+)
+def test_a_table_over_the_twist_that_a_run_leaves_is_named(x: tuple[float, float], rest: float, limit: float) -> None:
+    def of(table: gb.Table) -> gb.Drivetrain:
+        rig = gb.Drivetrain("spring")
+        rotor = rig.add("rotor", gb.Inertia(J=1.0, phi0=rest, w0=4.0))
+        rig.chain(
+            rig.add("wall", gb.Fixed()), rig.add("spring", gb.Shaft(torque=table, rest=rest, phi_rel0=rest)), rotor
+        )
+        return rig
+
+    words = rf"'spring\.torque' is left .*beyond its points, {x[0]} to {x[1]}, it is held; .*extrapolate"
+    with pytest.warns(gb.GearblocksWarning, match=words):
+        run = gb.simulate(of(gb.Table(x, [10 * y for y in x])), t_end=2.0)
+    row = run.watched.tables[0]
+    assert (rest + 4.0 * row.first >= limit - 1e-9) and row.high > limit
+    for quiet in (gb.Table(x, [20 * y for y in x], extrapolate="linear"), gb.Table([-9, 9], [-180.0, 180.0])):
+        assert not any(row.times for row in gb.simulate(of(quiet), t_end=1.0).watched.tables)
+
+
 @pytest.mark.long
 def test_rows_of_a_loss_table_are_watched_where_the_housing_stands_still() -> None:
     rig = gb.Drivetrain("losses")
@@ -51,7 +72,7 @@ def test_rows_of_a_loss_table_are_watched_where_the_housing_stands_still() -> No
     rig.chain(
         rig.add("drive", gb.Torque(tau=5.0)), rig.add("one", gb.Inertia(J=1.0)), gear, rig.add("two", gb.Inertia(J=1.0))
     )
-    with pytest.warns(gb.GearblocksWarning, match=r"'gear\.loss_table' is left first at 0\.2"):
+    with pytest.warns(gb.GearblocksWarning, match=r"'gear\.loss_table' is left first at 0\.2.*draw its last row on"):
         gb.simulate(rig, t_end=1.0)
     rig.connect(rig.add("case", gb.Inertia(J=10.0)).a, gear.housing)
     assert gb.simulate(rig, t_end=1.0).watched.tables == ()
