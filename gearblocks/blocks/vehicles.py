@@ -204,7 +204,7 @@ class Tyre(Block):
 
     F drives the vehicle forward and brakes the wheel by radius F (the law of `TyreSlip`; C: shape). normal_force: the load of
     the wheel on the road, a signal that must stay > 0 (a wheel in the air has no slip); grip too may be one, such as that of a
-    road that is wet from somewhere on. The wheel needs its inertia. What slips is lost.
+    road that is wet from somewhere on. What slips is lost. A wheel without inertia passes on what drives it, up to the grip.
 
     Example:
         rig = gb.Drivetrain("unicycle")

@@ -178,7 +178,7 @@ def _rate(law: Any, kind: str, expr: Any, speeds: Mapping[Any, Any]) -> Any:
     """The time derivative of an expression of time, states and the angles in `speeds`."""
     for x in expr.free_symbols:
         if law.pool.roles[x].role == "input":
-            beside = ", w and alpha beside it" if kind.startswith("Angle ") else ""
+            beside = ", w and alpha beside it" if kind.split()[0] == "Angle" else ""
             raise ModelError(
                 f"{kind}: the Input '{x}' has no time derivative, which a rigid motion needs: give filter=rad/s{beside}, or "
                 "compliance"

@@ -80,9 +80,12 @@ def _free_flange(program: Program, sim: Simulation) -> str | None:
 
 def _has_no_speed(program: Program, sim: Simulation, element: str) -> bool:
     """Whether a flange of an element has no speed where a run stopped: one without inertia, as all others are states."""
-    names = program.output_numbers
-    speeds = [names[name] for name in names if name.startswith(f"{element}.") and name.endswith(".w")]
-    return any(np.isnan(values[speeds]).any() for values in _ahead(sim, len(program.switches)))
+    own = {name: i for name, i in program.output_numbers.items() if name.startswith(f"{element}.")}
+    speeds = [i for name, i in own.items() if name.endswith(".w")]
+    for values in _ahead(sim, len(program.switches)):
+        if np.isnan(values[list(own.values())]).any():
+            return bool(np.isnan(values[speeds]).any())
+    return False
 
 
 def _source(program: Program, sim: Simulation) -> tuple[str, str] | None:

@@ -31,7 +31,24 @@ def inertialess(seed: int) -> Train:
         pieces.torque(g, d.choice(bodies))
     if d.chance(0.3):
         _gear_beside_friction(g, d.choice(bodies))
+    _bent_load(g, bodies)
     return g.train()
+
+
+def _bent_load(g: Growth, bodies: list[str]) -> None:
+    """At times a load whose torque bends over the speed, straight at the end of a shaft; aside: all else is drawn as it was."""
+    r = Random(f"bent {g.seed}")
+    if r.random() > 0.25:
+        return
+    a, node, size = r.choice(bodies), g.bare(), digits(pieces.torque_size(g, bodies[0]))
+    k = digits(size * 10.0 ** r.uniform(1.0, 2.5))
+    g.add("shaft", "Shaft", {"a": a, "b": node}, k=k, c=r.choice((None, digits(k / 100.0))))
+    w = 10.0 ** r.uniform(0.0, 1.5)
+    if r.random() < 0.7:
+        coeffs = (0.0, digits(size / w * 10.0 ** r.uniform(-4.0, 0.0)), digits(size / w**2))
+        g.add("pump", "SpeedLoad", {"flange": node}, coeffs=coeffs)
+    else:  # far from its largest torque
+        g.add("eddy", "EddyCurrentBrake", {"flange": node}, tau_nominal=digits(50.0 * size), w_nominal=digits(20.0 * w))
 
 
 def _gear_beside_friction(g: Growth, a: str) -> None:
