@@ -269,9 +269,9 @@ class Freezer:
     def _angle_of(self, y: Any, x: Any) -> Any:
         """atan2(y, x) by the half angles from the axis that (x, y) is closer to; it jumps where y passes 0 left of the
         origin."""
-        right, up, size = self._indicator(x), self._indicator(y), sp.sqrt(x**2 + y**2)
-        left = (2 * up - 1) * sp.pi - 2 * sp.atan(y / (size - x))
-        return Where(right, 2 * sp.atan(y / (size + x))) + Where(1 - right, left)
+        right, up = self._indicator(x), self._indicator(y)
+        half = sp.atan(y / (sp.sqrt(x**2 + y**2) + (2 * right - 1) * x))
+        return 2 * (2 * right - 1) * half + (1 - right) * (2 * up - 1) * sp.pi
 
     def _dead_zone(self, e: Any) -> Any:
         """With the side m = -1, 0, 1 as one mode: g = m^2 x - m b, its integral g^2/2, its slope m^2."""

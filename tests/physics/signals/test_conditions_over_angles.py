@@ -267,3 +267,17 @@ def test_the_angle_of_a_pointer_as_a_torque_jumps_where_it_does(method):
         smooth = np.abs(np.abs(within) - np.pi) > 1e-6
         work = 0.5 * (run["crank.w"] ** 2 - 50.0**2)
         assert np.abs(work - 5 * within**2)[smooth].max() < 10 * rtol * 50.0**2
+
+
+@pytest.mark.parametrize("centre", [0.1, 0.3])
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.few(2)
+def test_the_angle_of_a_point_on_an_ellipse_round_the_origin_or_beside_it(method, centre):
+    """3 sin and 0.2 cos + centre: behind the origin it jumps, right of it both half angles have a value."""
+    tau = sp.atan2(3 * sp.sin(30 * sp.sympify(T)), 0.2 * sp.cos(30 * sp.sympify(T)) + centre)
+    t = np.linspace(0.0, 1.0, 2_000_001)
+    mid = (t[1:] + t[:-1]) / 2
+    right = 1.0 + np.mean(np.arctan2(3 * np.sin(30 * mid), 0.2 * np.cos(30 * mid) + centre))
+    for rtol in (1e-4, 1e-8):
+        run = gb.simulate(crank(tau, w0=1.0), t_end=1.0, method=method, rtol=rtol)
+        assert run["crank.w"][-1] == pytest.approx(right, abs=20 * rtol + 1e-5)  # jumps between points
