@@ -14,10 +14,9 @@ from functools import wraps
 from inspect import CO_VARARGS, CO_VARKEYWORDS
 from numbers import Integral, Real
 from types import FunctionType
-from typing import Any, ParamSpec, TypeVar
+from typing import Any, TypeVar, cast
 
-_P = ParamSpec("_P")
-_R = TypeVar("_R")
+_F = TypeVar("_F", bound=Callable[..., Any])  # pyright knows a specifier of fields by its own type alone
 
 _OURS = re.compile(r"(gearblocks|fmu_export)(\.|$)")
 
@@ -166,7 +165,7 @@ _FUNCTIONS = ("build", "simulate", "modes", "linearize", "sweep", "study", "camp
 """What a train or a run is given to, and has not itself."""
 
 
-def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
+def by_name_only(function: _F) -> _F:
     """The function, with ParameterErrors for values without a name that need one, for names that it has not, and, where it ends
     in an error of Python's, for values of another sort than its annotations say."""
     code, defaults = function.__code__, function.__kwdefaults__ or {}
@@ -180,7 +179,7 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
     names = [f"*{code.co_varnames[len(known)]}"] if any_number else []
     call = f"{name}({', '.join([*by_place[first:], *names, *(f'{x}=...' for x in by_name)])})"
 
-    def called(*given: _P.args, **named: _P.kwargs) -> _R:
+    def called(*given: Any, **named: Any) -> Any:
         if not named and not by_name and len(by_place) <= len(given) <= n:
             return function(*given, **named)
         if len(given) > n and not any_number:
@@ -204,7 +203,7 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
         return function(*given, **named)
 
     @wraps(function)
-    def checked(*given: _P.args, **named: _P.kwargs) -> _R:
+    def checked(*given: Any, **named: Any) -> Any:
         try:
             return called(*given, **named)
         except (TypeError, ValueError, AttributeError, OverflowError) as error:
@@ -214,7 +213,7 @@ def by_name_only(function: Callable[_P, _R]) -> Callable[_P, _R]:
                 raise ParameterError(problem) from error
             raise
 
-    return checked
+    return cast("_F", checked)
 
 
 def misfit(function: Callable[..., Any], values: Mapping[str, Any]) -> str:

@@ -45,7 +45,7 @@ def contradictions(program: Program, train: Train) -> Iterator[str]:
     given: dict[int, tuple[str, str, float, float]] = {}
     for c in train.components:
         for of, field in start_fields(type(c.block)).items():
-            value = start_of(c.block, of)
+            value = start_of(c.block, of) if of in (ANGLE, SPEED) else None
             start = None if value is None else _start_at(starts, c.path, of)
             if value is not None and start is not None:
                 scaled = value * start.factor

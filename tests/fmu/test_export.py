@@ -166,6 +166,7 @@ def test_start_values_by_name_set_the_start_parameters(model: Model, tmp_path: P
 def test_the_name_may_be_any_text(make_model: MODELS, tmp_path: Path) -> None:
     name = 'Prüfstand "1" <50 %> \\ */'
     folder = tmp_path / "mit Umlaut ä und Leerzeichen"
+    folder.mkdir()
     path = fmu_export.export(make_model(name), folder / "Prüf stand.fmu", t_end=0.01)
     assert description(path).get("modelName") == name
     assert model_identifier(name) == "Pr_fstand_1_50"

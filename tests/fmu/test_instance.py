@@ -45,7 +45,7 @@ def test_every_check_passes(packed: Path) -> None:
     assert report.ok, str(report)
     assert all(item.ok for item in report.items), str(report)
     assert {name for name, difference in report.differences if difference == 0.0} == set(OUTPUTS)
-    assert "<table>" in report.to_html()
+    assert "<table" in report.to_html()
 
 
 @pytest.mark.parametrize("step", [1e-5, 1e-3, 0.7e-3, 0.02])

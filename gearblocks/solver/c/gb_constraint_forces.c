@@ -32,6 +32,7 @@ static int free_accelerations(gb_sim *sim) {
     if (code == GB_DONE) {
         model->slips(sim->par, sim->mode, sim->instant.time_terms, sim->constraints.y, sim->z2,
                      sim->constraints.free_acceleration);
+        gb_forget_underflow(sim->constraints.free_acceleration, model->n_constraints);
         sim->constraints.fastest = 0.0;
         for (int k = model->n - model->n_speeds; k < model->n; k++) {
             sim->constraints.fastest = gb_max(sim->constraints.fastest, fabs(sim->z2[k]));

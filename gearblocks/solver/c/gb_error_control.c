@@ -55,6 +55,10 @@ typedef struct gb_sizes {
 /* Less noise than the rest of it leaves no trace in the steps, which are the same in any order of the parts. */
 static const double UNSEEN = 1.0 - 1e-6;
 
+/* What is smaller has no digits for a relative tolerance where it comes out of underflow, and no meaning elsewhere: the
+ * least error that counts. */
+static const double LEAST = 1e-100;
+
 /* The error weights in [from, to); whether a state there has no scale yet, for which the trial counts, or has never
  * moved, in the trial neither. */
 static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
@@ -73,7 +77,7 @@ static int weigh(const gb_sim *sim, const gb_sizes *sizes, int from, int to) {
         const double size = peak[i] <= least && scale[i] < trusted ? gb_max(own, fabs(trial[i])) : own;
         const double own_part = rtol * size, weight = gb_max(own_part, UNSEEN * own_part + h * noise[i]);
         poor |= peak[i] > least ? 0 : peak[i] == 0.0 && trial[i] == 0.0 ? GB_AT_REST : GB_SMALL;
-        out[i] = weight > 0.0 ? 1.0 / weight : 0.0;
+        out[i] = weight > 0.0 ? 1.0 / gb_max(weight, LEAST) : 0.0;
     }
     return poor;
 }

@@ -17,4 +17,14 @@ static inline int gb_split_is_loss(const gb_force_bounds *bounds, int i) {
     return bounds->tie_of && bounds->tie_of[i] >= 0;
 }
 
+/* States of trains with constraints, and loads of these, have no digits left below it that a load and what holds it
+ * could be compared by: they come out of underflow, and count as none. */
+#define GB_UNDERFLOW 1e-200
+
+static inline void gb_forget_underflow(double *of, int n) {
+    for (int i = 0; i < n; i++) {
+        of[i] = of[i] < GB_UNDERFLOW && of[i] > -GB_UNDERFLOW ? 0.0 : of[i];
+    }
+}
+
 #endif

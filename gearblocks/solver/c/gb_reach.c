@@ -45,6 +45,18 @@ static double larger_root(double uu, double uv, double vv, double uw, double vw)
     return under > 0.0 ? 0.5 * fabs(p) + sqrt(under) : sqrt(q);
 }
 
+/* u at a length of which products of four neither overflow nor underflow; uu: u u before, and returned after it. */
+static double within_range(const gb_sim *sim, double *u, double uu) {
+    if (uu > 1e-60 && uu < 1e60) {
+        return uu;
+    }
+    const double unit = 1.0 / sqrt(uu);
+    for (int i = 0; i < sim->model->n_padded; i++) {
+        u[i] *= unit;
+    }
+    return product(sim, u, u);
+}
+
 /* One turn of the iteration: |lambda|, 0: not known. It begins with what the step itself did to the rates. */
 static double fastest_rate(gb_sim *sim) {
     const gb_model *model = sim->model;
@@ -61,6 +73,7 @@ static double fastest_rate(gb_sim *sim) {
     if (!(uu > 0.0)) {
         return 0.0;
     }
+    uu = within_range(sim, u, uu);
     apply(sim, u, uu, v);
     const double vv = product(sim, v, v);
     if (!(vv > 0.0)) {

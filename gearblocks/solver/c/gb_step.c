@@ -9,6 +9,7 @@
 #include "gb_error_control.h"
 #include "gb_evaluate.h"
 #include "gb_features.h"
+#include "gb_force_bounds.h"
 #include "gb_give_up.h"
 #include "gb_growth.h"
 #include "gb_jump.h"
@@ -66,6 +67,7 @@ static double end_of_step(const gb_sim *sim, double h, double limit) {
 /* The step that began at `from` and would have ended at `end` counts: scales, ledger, sizes. */
 static int count_step(gb_sim *sim, double from, double end) {
     gb_head *head = sim->head;
+    gb_forget_underflow(sim->y, sim->model->n_constraints > 0 ? sim->model->n : 0);
     gb_scales_grow(sim, sim->y);
     gb_ledger_take(sim);
     if (head->ledger.turnover > GB_BEYOND) {

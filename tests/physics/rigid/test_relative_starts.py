@@ -83,7 +83,6 @@ def test_speed_and_acceleration_given_give_the_start_twist() -> None:
     assert run["disc.alpha"][0] == pytest.approx(a, rel=1e-9)
 
 
-@pytest.mark.long
 def test_a_damper_gives_the_start_speed_and_a_slider_its_place() -> None:
     rig = gb.Drivetrain("sledge")
     mass = rig.add("mass", gb.Mass(m=2.0, a0=-6.0, s0=0.5))
