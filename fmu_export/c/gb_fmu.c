@@ -51,7 +51,6 @@ static void set_start_values(gb_fmu *fmu) {
     }
     fmu->s.phase = GB_FMU_NEW;
     fmu->fresh = 0;
-    fmu->moves = FIRST_BETWEEN_LOOKS;
 }
 
 const char *gb_fmu_missing(void) {
@@ -177,22 +176,23 @@ int gb_fmu_begin(gb_fmu *fmu) {
 }
 
 /* To t, or as far as the patience of the table goes. The clock is read between runs of steps alone, which become longer
- * while they take next to none of it, from call to call, too: most calls end within the first. Where a run takes long,
- * so may each of its steps, and the clock is read after every one. */
+ * while they take next to none of it: most calls end within the first. They are short again in the next call, whose
+ * steps may be dear ones. Where a run takes long, so may each of its steps, and the clock is read after every one. */
 static int advance(gb_fmu *fmu, double t) {
     const double patience = fmu->table->patience;
-    int code = fmu->solver->advance_within(fmu->sim, t, fmu->moves);
+    long moves = FIRST_BETWEEN_LOOKS;
+    int code = fmu->solver->advance_within(fmu->sim, t, moves);
     if (code != GB_PAUSE)
         return code;
     double now = gb_fmu_clock();
     for (const double until = now + patience; code == GB_PAUSE && now < until;) {
         const double before = now;
-        code = fmu->solver->advance_within(fmu->sim, t, fmu->moves);
+        code = fmu->solver->advance_within(fmu->sim, t, moves);
         now = gb_fmu_clock();
         if (now - before < 0.01 * patience)
-            fmu->moves = fmu->moves < MOST_BETWEEN_LOOKS ? 2 * fmu->moves : MOST_BETWEEN_LOOKS;
+            moves = moves < MOST_BETWEEN_LOOKS ? 2 * moves : MOST_BETWEEN_LOOKS;
         else if (now - before > 0.1 * patience)
-            fmu->moves = 1;
+            moves = 1;
     }
     return code;
 }

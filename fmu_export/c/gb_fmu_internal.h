@@ -28,7 +28,6 @@ struct gb_fmu {
     const gb_solver *solver;
     gb_sim *sim;
     gb_fmu_state s;
-    long moves;      /* steps and events between two looks at the clock */
     int fresh;       /* outputs[] belongs to the present point and inputs */
     double *outputs; /* all outputs of the model */
     double *start;   /* start vector, where the states' start values are variables */
