@@ -55,9 +55,9 @@ typedef struct gb_sizes {
 /* Less noise than the rest of it leaves no trace in the steps, which are the same in any order of the parts. */
 static const double UNSEEN = 1.0 - 1e-6;
 
-/* What is smaller has no digits for a relative tolerance where it comes out of underflow, and no meaning elsewhere: the
- * least error that counts. */
-static const double LEAST = 1e-100;
+/* What is smaller has no digits for a relative tolerance where it comes out of underflow: the least error that counts.
+ * It is far below GB_UNDERFLOW: sides of losses are told from what is followed with all its digits alone. */
+static const double LEAST = 1e-290;
 
 /* The error weights in [from, to); whether a state there has no scale yet, for which the trial counts, or has never
  * moved, in the trial neither. */

@@ -67,6 +67,20 @@ def test_a_pulse_moves_a_lossy_gear_from_rest(method: str) -> None:
         assert run["a.w"][-1] == pytest.approx(np.sqrt(np.pi) / (2 + 1 / 3.6), rel=10 * rtol)
 
 
+@pytest.mark.parametrize("method", METHODS)
+def test_a_pulse_moves_two_lossy_gears_that_a_shaft_joins(method: str) -> None:
+    """Which side the second one is on is told from loads that are followed. Right: by "rodas" in steps of at most 1 ms."""
+    gears = (gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.7)), gb.LossyGear(ratio=10.0, efficiency=(0.6, 0.3)))
+    bodies = (gb.Inertia(J=1.0), gb.Inertia(J=0.1), gb.Inertia(J=0.2), gb.Inertia(J=3.0))
+    pulse, shaft = gb.Torque(tau=30 * gb.exp(-(((T - 1.0) / 0.03) ** 2))), gb.Shaft(k=300.0, c=1.0)
+    parts = (pulse, bodies[0], gears[0], bodies[1], shaft, bodies[2], gears[1], bodies[3])
+    rig = gb.Drivetrain("two")
+    rig.chain(*(rig.add(name, part) for name, part in zip("pagbschd", parts, strict=True)))
+    for rtol in (1e-4, 1e-6, 1e-8):
+        run = gb.simulate(rig, t=[0.0, 2.0], method=method, rtol=rtol)
+        assert run["a.w"][-1] == pytest.approx(1.3191889937535, rel=10 * rtol)
+
+
 def test_a_load_that_has_faded_over_the_angle_asks_for_no_short_steps() -> None:
     """How fast the laws answer is found in directions whose products had underflowed: 1e-9 s a step by "dp8"."""
     rig, phi = gb.Drivetrain("hill"), gb.sense("a.phi")
