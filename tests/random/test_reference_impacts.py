@@ -222,3 +222,17 @@ def test_a_strike_on_what_a_cascade_left_beside_a_stop_that_nothing_presses_is_n
         reference_motion(train, np.linspace(0.0, 0.1, 5))
     before = reference_motion(train, np.linspace(0.0, 0.096, 5))
     assert np.abs(before.speeds[:2, -1]).max() < 1e-8
+
+
+def test_a_stop_that_would_be_left_again_before_another_closes_is_hit():
+    # thrown against one stop, and pulled back so soon that its gap would be open again when the other body hits its own
+    stops = [Part(f"stop_{n}", "HardStop", (("lower", 0.0), ("restitution", 0.5)), (("a", n),)) for n in "ab"]
+    pull = Part("pull", "Torque", (("tau", 10.0),), (("flange", "a"),))
+    # a third body, fast and far, lets the step be longer than all of that
+    far = _body("c", phi0=1e3, w0=1e3)
+    bodies = far, _body("a", phi0=1e-9, w0=-1e-3), _body("b", phi0=2.1e-4, w0=-1.0)
+    motion = reference_motion(_train(*bodies, *stops, pull, t_end=10.0), np.array([0.0, 0.5, 10.0]))
+    hit = (1e-3 - math.sqrt(1e-6 - 2e-8)) / 10.0
+    fast = 1e-3 - 10.0 * hit
+    assert motion.jumps == pytest.approx([hit, 2.1e-4], rel=1e-9)
+    assert motion.speeds[1:, 1] == pytest.approx([0.5 * fast + 10.0 * (0.5 - hit), 0.5], rel=1e-9)

@@ -172,7 +172,8 @@ class Integration:
             rows.append(self._margins(float(times[i]), looks[i]))
             low = self._negative(rows[i])
             if low.size:
-                return self._locate(float(times[i - 1]), float(times[i]), f, rows[i - 1], low), None
+                found = self._locate(float(times[i - 1]), float(times[i]), f, rows[i - 1], low)
+                return self._before(f, a, found, first) if i == 1 else found, None
             dip = (
                 self._early(f, *times[:2], *rows) if i == 1 else self._dip(times[i - 2 : i + 1], rows[i - 2 : i + 1], f)
             )
@@ -261,6 +262,11 @@ class Integration:
             if low.size:
                 return self._locate(a, at, f, first, low)
         return None
+
+    def _before(self, f: Any, a: float, found: tuple[float, list[int]], first: Array) -> tuple[float, list[int]]:
+        """What is found, or a margin that has fallen and risen again by then, as that of what bounces on another stop."""
+        dip = self._early(f, a, found[0], first, self._margins(found[0], f(found[0]))) if found[0] > a else None
+        return found if dip is None else dip
 
     def _locate(self, a: float, b: float, f: Any, before: Array, low: Array) -> tuple[float, list[int]]:
         """The first zero between a, where all is well, and b; looked at again at each zero for one that came before."""
