@@ -252,6 +252,8 @@ class Integration:
     def _early(self, f: Any, a: float, b: float, first: Array, second: Array) -> tuple[float, list[int]] | None:
         """A margin that falls as the step begins and is higher at its first look: the vertex of its parabola."""
         soon = a + 1e-4 * (b - a)
+        if not soon > a:
+            return None
         with np.errstate(invalid="ignore"):
             fall = (first - self._margins(soon, f(soon))) * ((b - a) / (soon - a))
             deep = (fall > first) & (second >= first) & np.isfinite(fall) & np.isfinite(second)
@@ -265,7 +267,7 @@ class Integration:
 
     def _before(self, f: Any, a: float, found: tuple[float, list[int]], first: Array) -> tuple[float, list[int]]:
         """What is found, or a margin that has fallen and risen again by then, as that of what bounces on another stop."""
-        dip = self._early(f, a, found[0], first, self._margins(found[0], f(found[0]))) if found[0] > a else None
+        dip = self._early(f, a, found[0], first, self._margins(found[0], f(found[0])))
         return found if dip is None else dip
 
     def _locate(self, a: float, b: float, f: Any, before: Array, low: Array) -> tuple[float, list[int]]:
