@@ -236,3 +236,19 @@ def test_a_stop_that_would_be_left_again_before_another_closes_is_hit():
     fast = 1e-3 - 10.0 * hit
     assert motion.jumps == pytest.approx([hit, 2.1e-4], rel=1e-9)
     assert motion.speeds[1:, 1] == pytest.approx([0.5 * fast + 10.0 * (0.5 - hit), 0.5], rel=1e-9)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("rounding", [0.0, 1e-17, -1e-17])
+def test_a_contact_that_touches_begins_as_it_is_struck(way, rounding):
+    # w gives its speed to p, which leaves q half of it more than momentum alone does
+    fields = (("k", 500.0), ("half_gap", 0.0), ("contact_damping", thing("HuntCrossley", restitution=0.5)))
+    lash = Part("lash", "Lash", fields, (("a", "p"), ("b", "q")))
+    bodies = _body("p", phi0=rounding), _body("q"), _body("w", w0=way)
+    motion = reference_motion(
+        _train(*bodies, lash, _hits("w", "p", 1.0, half_gap=0.5), t_end=0.8), np.linspace(0.0, 0.8, 801)
+    )
+    slips = way * (motion.speeds[1] - motion.speeds[0])
+    assert slips[499] == pytest.approx(0.0, abs=1e-12)
+    assert slips[500:].min() == pytest.approx(-1.0, abs=0.02)
+    assert slips[500:].max() == pytest.approx(0.5, abs=1e-3)

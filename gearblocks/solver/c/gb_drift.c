@@ -36,9 +36,9 @@ static const double LEAST = 1e-12, STRICTEST = 20.0, MOST_AT_ONCE = 3.0, LESS = 
 static const double MOST_OF_A_STEP = 1.0, LEAST_POWER = 2.5;
 enum { LEFT_OUT = 16 };
 
-/* Steps up to the first look, between two where something is wrong, and at most; how often strictness may be of no use.
- */
-enum { FIRST = 12, SOON = 16, SELDOM = 128, TRIES = 4 };
+/* Steps up to the first look, between two where something is wrong, and at most; events: a body that bounces is cut off
+ * at the same place of each step, and misses by the same each time; how often strictness may be of no use. */
+enum { FIRST = 12, SOON = 16, SELDOM = 128, EVENTS = 8, TRIES = 4 };
 
 /* Stored and lost less supplied, at the front; *stored: the first alone. */
 static int balance(gb_sim *sim, double *sum, double *stored) {
@@ -156,7 +156,7 @@ int gb_drift_look(gb_sim *sim) {
     double sum, stored;
     if (!sim->model->energy_sign || head->options.step > 0.0 || !head->options.locate ||
         !(head->options.rtol >= LEAST)) {
-        drift->look_at = LLONG_MAX;
+        drift->look_at = drift->look_event = LLONG_MAX;
         return GB_DONE;
     }
     const int code = balance(sim, &sum, &stored), first = drift->gap == 0;
@@ -172,11 +172,12 @@ int gb_drift_look(gb_sim *sim) {
     }
     drift->gap = first ? FIRST : soon ? SOON : drift->gap < SELDOM / 2 ? 2 * drift->gap : SELDOM;
     drift->look_at = head->counts.steps + drift->gap;
+    drift->look_event = head->counts.events + EVENTS;
     drift->based = 1;
     drift->last = sum;
     if (drift->tries >= TRIES) { /* no error of steps: whatever it is, shorter ones do not help */
         drift->strictness = 0.0;
-        drift->look_at = LLONG_MAX;
+        drift->look_at = drift->look_event = LLONG_MAX;
     }
     return code;
 }

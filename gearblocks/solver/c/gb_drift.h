@@ -22,7 +22,8 @@ static inline int gb_imbalance_is_due(const gb_sim *sim, double h) {
 int gb_drift_look(gb_sim *sim);
 
 static inline int gb_drift_is_due(const gb_sim *sim) {
-    return sim->head->counts.steps >= sim->head->drift.look_at;
+    const struct gb_drift *drift = &sim->head->drift;
+    return sim->head->counts.steps >= drift->look_at || sim->head->counts.events >= drift->look_event;
 }
 
 #endif

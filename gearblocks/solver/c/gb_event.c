@@ -182,13 +182,13 @@ static void inverses_at_start(gb_sim *sim, double *inverse) {
 
 /* Contacts that began from rest on their corner: their gap is there at the start of the step too, at rest, and where
  * the step has left it is told no better than its dense output does. The inverse of the speed there would damp the
- * contact for ever. before: the states before they were set. */
-static void forget_starts_from_rest(gb_sim *sim, const double *before) {
+ * contact for ever. before: the states before they were set; struck: what moves there does so by a strike. */
+static void forget_starts_from_rest(gb_sim *sim, const double *before, int struck) {
     const gb_model *model = sim->model;
     const double *time_terms = sim->instant.time_terms;
     const double largest = gb_max(gb_largest_speed(sim, sim->control.largest), gb_largest_speed(sim, sim->y));
     double *inverse = sim->sliding.rates + 2 * model->n_total;
-    const int stepped = sim->head->front.h > 0.0;
+    const int stepped = sim->head->front.h > 0.0 && !struck;
     if (stepped) {
         inverses_at_start(sim, inverse);
         model->event_functions(sim->par, sim->mode, time_terms, sim->y, sim->sliding.functions);
@@ -206,19 +206,50 @@ static void forget_starts_from_rest(gb_sim *sim, const double *before) {
     }
 }
 
-int gb_update_states(gb_sim *sim) {
+/* Strikes so far, where contacts ask for them. */
+static double count_strikes(const gb_sim *sim) {
+    double count = 0.0;
+    for (int i = 0; i < sim->model->n_constraints && sim->model->n_inverse_speeds > 0; i++) {
+        count += sim->constraints.impacts[i];
+    }
+    return count;
+}
+
+/* A contact that touches, and that nothing has pressed yet, begins as a strike elsewhere drives its bodies together. */
+static void begin_struck(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    model->event_functions(sim->par, sim->mode, sim->instant.time_terms, sim->y, sim->sliding.functions);
+    for (int k = 0; k < model->n_inverse_speeds; k++) {
+        const int j = model->inverse_speeds[k], i = model->inverse_speed_switches[k];
+        const double limit = sim->mode[i] > 0.0 ? sim->events.lo[i] : sim->events.hi[i];
+        const double pressed = sim->sliding.functions[i] - limit;
+        if (sim->y[j] == 0.0 && gb_is_noise(sim, i, pressed, sim->instant.time_terms, sim->y, sim->y0)) {
+            sim->events.mode_before[i] = 0.0;
+        }
+    }
+}
+
+/* States of Hold; struck: by an event that had strikes. */
+static int update_states(gb_sim *sim, int struck) {
     const gb_model *model = sim->model;
     const int code = gb_time_terms_at(sim, sim->head->front.t1);
     double *before = sim->sliding.rates + model->n_total;
     if (code != GB_DONE) {
         return code;
     }
+    if (struck) {
+        begin_struck(sim);
+    }
     memcpy(before, sim->y, sizeof(double) * (size_t)model->n);
     model->update_states(sim->par, sim->events.mode_before, sim->mode, sim->instant.time_terms, sim->y);
     if (memcmp(before, sim->y, sizeof(double) * (size_t)model->n) != 0) {
-        forget_starts_from_rest(sim, before);
+        forget_starts_from_rest(sim, before, struck);
     }
     return GB_DONE;
+}
+
+int gb_update_states(gb_sim *sim) {
+    return update_states(sim, 0);
 }
 
 /* How many switches rest or are held on limits; one more where the mean of sides that slide holds constraints. */
@@ -245,6 +276,7 @@ int gb_apply_event(gb_sim *sim) {
         memcpy(sim->events.mode_before, sim->mode, sizeof(double) * (size_t)sim->model->n_switches);
     }
     const uint64_t modes = head->events.mode_hash;
+    const double strikes = count_strikes(sim);
     const size_t slot = (size_t)(modes % GB_MEMORY);
     head->events.remembered_modes[slot] = modes;
     head->events.remembered_step[slot] = step_worth(sim);
@@ -280,7 +312,7 @@ int gb_apply_event(gb_sim *sim) {
         gb_refresh_breaks(sim, 0);
     }
     if (code == GB_DONE && sim->model->update_states != NULL) {
-        code = gb_update_states(sim);
+        code = update_states(sim, count_strikes(sim) > strikes);
     }
     if (head->events.mode_hash != modes) {
         recall_step(sim);

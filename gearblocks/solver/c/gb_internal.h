@@ -122,8 +122,8 @@ struct gb_drift {
     int based, tries;                         /* `last` is a balance; how often strictness was of no use */
     int imbalanced; /* a try of the present step was out of balance: by how much as log2, and its size */
     double imbalance, h_imbalance;
-    long long balance_at, balance_gap; /* steps when tries are looked at again, and how many were left out before */
-    long long look_at, gap;            /* steps at the next look, and how many there are between */
+    long long balance_at, balance_gap;  /* steps when tries are looked at again, and how many were left out before */
+    long long look_at, gap, look_event; /* steps at the next look, and how many there are between; events, likewise */
 };
 
 /* Motion that grows without bound, see gb_growth.h. */

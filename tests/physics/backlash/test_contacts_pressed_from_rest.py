@@ -60,3 +60,21 @@ def test_what_falls_back_within_a_step_is_damped_as_ever(method):
     flights = [back - off for off, back in zip(at[1:8:2], at[2:8:2], strict=False)]
     assert len(flights) == 3
     assert [b / a for a, b in itertools.pairwise(flights)] == pytest.approx([0.255, 0.255], rel=1e-3)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize("method", ["dp5", "dp8", "rodas"])
+def test_a_contact_that_touches_begins_as_it_is_struck(way, method):
+    # w gives its speed to a, and the contact without play gives half of it back, from whichever side it comes
+    rig = gb.Drivetrain("touches")
+    a, b, w = rig.add("a", gb.Inertia(J=1.0)), rig.add("b", gb.Inertia(J=1.0)), rig.add("w", gb.Inertia(J=1.0, w0=way))
+    contact = gb.HuntCrossley(restitution=0.5)
+    lash = rig.add("lash", gb.Lash(k=500.0, half_gap=0.0, contact_damping=contact))
+    stop = rig.add("stop", gb.HardStop(lower=-0.5, upper=0.5, restitution=1.0))
+    rig.chain(a, lash, b)
+    rig.connect(stop.a, a.a)
+    rig.connect(stop.b, w.a)
+    run = gb.simulate(rig, t_end=0.7, method=method, rtol=1e-8)
+    parts = next(e.t for e in run.events if e.component == "lash" and e.t > 0.52)
+    after = gb.simulate(rig, t=[0.0, parts + 1e-7], method=method, rtol=1e-8)
+    assert after["b.w"][-1] - after["a.w"][-1] == pytest.approx(0.5 * way, rel=1e-6)

@@ -231,3 +231,20 @@ def test_a_pair_of_ellipses_that_turns_for_long_keeps_its_energy(torque):
         run = gb.simulate(model, t=[0.0, 20.0], method=method, rtol=rtol)
         assert run.energy.residual < 10 * rtol, (method, rtol)
         assert run.stats.steps < 4e5
+
+
+@pytest.mark.parametrize("rtol", [1e-6, 3e-8, 1e-8])
+def test_a_body_that_bounces_off_a_stop_misses_no_energy_at_each_bounce(rtol):
+    # dp8: each flight of j1 is one step that an event cuts at the same place, and misses half a tolerance each time
+    rig = gb.Drivetrain("pressed onto a stop")
+    j1, j2 = rig.add("j1", gb.Inertia(J=0.023)), rig.add("j2", gb.Inertia(J=2.0, w0=0.0))
+    teeth = {"teeth": 3, "radius": 0.02, "k": 273e3, "c": 80.4, "contact_damping": "always"}
+    spline = rig.add("spline", gb.SplineCoupling(**teeth, backlash=gb.Backlash(gaps=(2.21e-4, 2.21e-4, 7.36e-5))))
+    above = rig.add("above", gb.HardStop(restitution=1.0, upper=0.704))
+    between = rig.add("between", gb.HardStop(restitution=0.0, lower=-0.0924))
+    torque = rig.add("torque", gb.Torque(tau=30.8 * gb.sin(4.0 * gb.time) * gb.cos(1.48 * gb.time)))
+    rig.connect(j1.a, spline.a, above.a, between.a)
+    rig.connect(j2.a, spline.b, between.b, torque.flange)
+    run = gb.simulate(rig, t=np.linspace(0.0, 1.0, 51), method="dp8", rtol=rtol)
+    assert sum(e.component == "above.upper" for e in run.events) == 54
+    assert run.energy.residual <= 6.0 * rtol

@@ -147,14 +147,24 @@ def _hunt_crossley(s: System, zone: Any, k: float, e: float) -> Force:
     d = 0.0
     if e < 1:
         d = brentq(lambda d: d * (1 + e) - math.log((1 + d) / (1 - d * e)), 0.1 * (1 - e), (1 - 1e-14) / e, xtol=1e-15)
-    held = {"slowness": None}
+    held: dict[str, Any] = {"slowness": None, "deepest": 0.0}
     pushes = s.sw.new()
+
+    def ends() -> None:
+        held.update(slowness=None, deepest=0.0)
+
+    def struck() -> None:
+        if held["deepest"] < 1e-15:  # it touches, and nothing has pressed it yet
+            held["slowness"] = None
+
     for i in zone.switches:
-        s.sw.on_flip[i] = lambda: held.__setitem__("slowness", None)
+        s.sw.on_flip[i] = ends
+    s.sw.on_strike.append(struck)
 
     def force(x: float, rate: float, factor: float) -> tuple[float, float]:
         g, G, side = zone(x)
         inward = side * rate
+        held["deepest"] = max(held["deepest"], side * g)
         if side == 0:
             held["slowness"] = None
         elif s.sw.fresh:

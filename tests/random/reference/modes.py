@@ -51,6 +51,8 @@ class Modes(Impacts):
             hits, (_, v) = len(self.jumps), self.qv(y)
             y = self.impact(t, y)
             if len(self.jumps) > hits:
+                for struck in self.s.sw.on_strike:
+                    struck()
                 self.begin(t, y)
             ahead = [m.scale * d.row for d in self.s.dry for m in d.members if m.on and m.one_way]
             _, w = self.qv(y)

@@ -49,6 +49,7 @@ class Switches:
         self.jumps: dict[int, int] = {}  # index of an edge -> index where its segment stands
         self.phases: list[tuple[int, float]] = []  # (row, factor) of angles that laws over angles read; row -1: time
         self.on_flip: dict[int, Callable[[], None]] = {}
+        self.on_strike: list[Callable[[], None]] = []
         self.fresh = True
 
     def new(self) -> int:
