@@ -94,10 +94,18 @@ int gb_begins_to_move(const gb_sim *sim) {
     return (moves[0] | moves[1] | moves[2] | moves[3]) != 0;
 }
 
+/* Speeds of a trial in parts of the largest so far beyond which it has run away: what rounds there says nothing. */
+static const double RUN_AWAY = 1e6;
+
 /* What rounding leaves of the forces of locks where nothing loads them at the front: at the end of the trial by which
  * the train begins to move, for the speeds that have not moved by more. Whether there is any. */
 static int noise_of_first_load(gb_sim *sim, double h, const double *time_terms, const double *trial, double *left) {
+    const int n = sim->model->n, speeds = n - sim->model->n_speeds;
+    const double fastest = largest_in(sim->control.largest, sim->zero, speeds, n);
     int any = 0;
+    if (fastest > 0.0 && largest_in(sim->zero, trial, speeds, n) > RUN_AWAY * fastest) {
+        return 0;
+    }
     gb_noise_of_locks(sim, time_terms, trial, left);
     for (int i = 0; i < sim->model->n; i++) {
         left[i] = fabs(trial[i]) <= h * left[i] ? left[i] : 0.0;
