@@ -349,6 +349,11 @@ def frequency_response(
     model = build(train)
     found = linearize(model, at, inputs=[input], outputs=outputs, t=t, parameters=parameters)
     w = frequencies_in_si("frequencies", frequencies)
+    if not len(w) or not found.outputs:
+        given = f"frequencies = {frequencies!r:.80}" if found.outputs else f"outputs = {outputs!r:.80}"
+        raise ParameterError(
+            f"{given} must be one or more, such as frequency_response(train, 'u', 'mesh.force', ['50 Hz'])"
+        )
     units = {q.name: q.unit for q in model.program.outputs}
     return FrequencyResponse(
         model.program.name, input, found.outputs, w, found.response(w)[:, :, 0], tuple(units[n] for n in found.outputs)

@@ -9,22 +9,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, final
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple, final
 
 import numpy as np
 
 from gearblocks.analysis.linearization import DENSE, Complex
+from gearblocks.analysis.mode_pictures import shapes
 from gearblocks.analysis.operating_point import OperatingPoint, operating_point
 from gearblocks.analysis.reduction import reduction
 from gearblocks.codegen.program import Program
 from gearblocks.drivetrain import Drivetrain
-from gearblocks.errors import ParameterError, arguments_told, by_name_only
+from gearblocks.errors import GearblocksError, ParameterError, arguments_told, by_name_only
 from gearblocks.language.tidy import Tidy, told
 from gearblocks.pages import small_table
 from gearblocks.plurals import among, singular
 from gearblocks.running import build
 from gearblocks.simulation.plausibility import warn_of_parameters
-from gearblocks.simulation.plotting import COLOURS, finished, new_figure, style
 from gearblocks.solver.kinematics import Kinematics, kinematics
 from gearblocks.solver.library import Model
 from gearblocks.solver.point import Point, state_matrix, steps_of
@@ -32,7 +33,6 @@ from gearblocks.solver.sparse_maps import Indices
 from gearblocks.solver.structures import Array
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from scipy.sparse import csc_array
 
@@ -42,6 +42,27 @@ _ROUNDING = 1e-10  # of a damping ratio
 _RESISTS = 1e-8  # a smaller answer to a rotation, relative to its terms, is rounding: differences leave about 1e-10
 _LEFT = 64 * np.finfo(float).eps  # of the terms, in a difference
 _REAL = 1e-9  # a smaller imaginary part, relative to the eigenvalue, is rounding
+
+
+class NoModeError(GearblocksError, IndexError):
+    """A number that no mode has."""
+
+
+class Mode(NamedTuple):
+    """One mode: frequency [rad/s and Hz], damping, eigenvalue [1/s]; by body its shape and its share of the kinetic energy,
+    by element its share of the strain energy."""
+
+    number: int
+    frequency: float
+    hertz: float
+    damping: float
+    eigenvalue: complex
+    shape: Mapping[str, complex]
+    kinetic: Mapping[str, float]
+    strain: Mapping[str, float]
+
+    def __repr__(self) -> str:
+        return f"<Mode {self.number}: {self.hertz:.6g} Hz, damping {100 * self.damping:.3g} %>"
 
 
 @final
@@ -86,6 +107,21 @@ class Modes(metaclass=Tidy):
 
     def __len__(self) -> int:
         return len(self.frequencies)
+
+    def __getitem__(self, number: int) -> Mode:
+        """One mode by its number in the table; from behind where that is < 0."""
+        if isinstance(number, bool) or not isinstance(number, (int, np.integer)):
+            fields = "frequencies, hertz, damping, shapes, kinetic, strain"
+            raise ParameterError(f"modes[{number!r}]: modes are numbered, as in modes[0]; rows of all: {fields}")
+        if not -len(self) <= number < len(self):
+            raise NoModeError(f"modes[{number}]: {self!r} is numbered from 0 to {len(self) - 1}")
+        i = int(number) % len(self)
+        of_bodies, of_elements = (partial(zip, names, strict=True) for names in (self.bodies, self.elements))
+        return Mode(
+            i, float(self.frequencies[i]), float(self.hertz[i]), float(self.damping[i]), complex(self.eigenvalues[i]),
+            dict(of_bodies(self.shapes[i].tolist())), dict(of_bodies(self.kinetic[i].tolist())),
+            dict(of_elements(self.strain[i].tolist())),
+        )  # fmt: skip
 
     def __repr__(self) -> str:
         span = f", {self.hertz.min():.6g} .. {self.hertz.max():.6g} Hz" if len(self) else ""
@@ -346,55 +382,3 @@ def _along(program: Program, kin: Kinematics, y0: Array, shape: Array) -> Array:
     largest = float(np.abs(shape[kin.coordinates]).max(initial=0.0))
     at_point = float(np.abs(y0[kin.coordinates]).max(initial=0.0))
     return step * ((at_point or 1e-3) / largest if largest > 0 else 1.0)
-
-
-_LABELLED = 30  # bodies or elements that still have room for their names
-
-
-def shapes(modes: Modes, path: Any, most: int) -> Figure:
-    """One row per mode: motion of the bodies on the left, shares of the strain energy on the right."""
-    chosen = range(modes.free, min(len(modes), modes.free + most)) or range(min(len(modes), most))
-    with style():
-        figure, axes = new_figure(
-            path, rows=max(1, len(chosen)), columns=2, size=(9.0, 0.8 + 1.25 * max(1, len(chosen)))
-        )
-        for row, i in enumerate(chosen):
-            left, right = axes[2 * row], axes[2 * row + 1]
-            _shape(left, modes, i)
-            _shares(right, modes, i)
-            last = row == len(chosen) - 1
-            _names(left, modes.bodies, last)
-            _names(right, modes.elements, last)
-        axes[0].set_title("motion of the bodies")
-        axes[1].set_title("share of the strain energy")
-        figure.suptitle(f"modes of {modes.name}", x=0.01, ha="left", fontsize=10)
-        return finished(figure, path)
-
-
-def _shape(axis: Axes, modes: Modes, i: int) -> None:
-    position = np.arange(len(modes.bodies))
-    few = len(position) <= 60
-    axis.axhline(0.0, color="#888888", linewidth=0.7)
-    axis.plot(position, modes.shapes[i].real, color=COLOURS[0], marker="o" if few else "", markersize=4)
-    axis.set_ylim(-1.15, 1.15)
-    damping = f"\n{100 * modes.damping[i]:.2g} % damped" if modes.damping[i] > 1e-9 else ""
-    axis.set_ylabel(f"{modes.hertz[i]:.5g} Hz{damping}", rotation=0, ha="right", va="center")
-
-
-def _shares(axis: Axes, modes: Modes, i: int) -> None:
-    axis.bar(np.arange(len(modes.elements)), 100 * modes.strain[i], color=COLOURS[1], width=0.6)
-    axis.set_ylim(0.0, 100.0)
-    axis.set_ylabel("%")
-
-
-def _names(axis: Axes, names: tuple[str, ...], last: bool) -> None:
-    axis.set_xlim(-0.5, max(len(names) - 0.5, 0.5))
-    if len(names) > _LABELLED:
-        axis.locator_params(axis="x", integer=True)
-        axis.set_xlabel("number in the list" if last else "")
-        axis.tick_params(labelbottom=last)
-        return
-    long = len(names) > 6 or any(len(name) > 10 for name in names)
-    turned: dict[str, Any] = {"rotation": 60, "ha": "right", "rotation_mode": "anchor"} if long else {}
-    axis.set_xticks(np.arange(len(names)), names if last else [""] * len(names), **turned)
-    axis.tick_params(axis="x", labelsize=7 if len(names) > 14 else 9)

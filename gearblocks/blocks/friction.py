@@ -69,9 +69,14 @@ def over_slip_problems(name: str, table: Any) -> Iterator[str]:
         yield f"{name} = {table!r} falls at its end and would come below 0: let it end level, or extrapolate='hold'"
     if table.periodic:
         yield f"{name} = {table!r} must not be periodic: it goes over the size of the slip"
-    points = np.interp(np.linspace(0, len(table.x) - 1, 32 * len(table.x)), np.arange(len(table.x)), table.x)
-    if min(np.min(table.y), np.min(table.values(points))) < 0:
+    if least_value(table) < 0:
         yield f"{name} = {table!r} must be >= 0 everywhere: friction takes energy, it gives none"
+
+
+def least_value(table: Table) -> float:
+    """The least of a table within its points, between those of a spline too."""
+    points = np.interp(np.linspace(0, len(table.x) - 1, 32 * len(table.x)), np.arange(len(table.x)), table.x)
+    return float(min(np.min(table.y), np.min(table.values(points))))
 
 
 def _expression_problems(name: str, law: Expr) -> Iterator[str]:

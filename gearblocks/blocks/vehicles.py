@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from gearblocks.blocks.friction import least_value
 from gearblocks.language.block import Block, Effect
 from gearblocks.language.contributions import Acts, Body, Contribution, Energy, Rate, Shows, Stick, Tie
-from gearblocks.language.expression import Expr
+from gearblocks.language.expression import Expr, as_expr
 from gearblocks.language.fields import Flange, State, effect, param, signal
 from gearblocks.language.heat import HEAT, HeatPort
-from gearblocks.language.signals import Signal, Value, constant_value
+from gearblocks.language.signals import Input, Signal, Table, Value, constant_value, value_at
 from gearblocks.language.watches import Watch
 
 GRAVITY = 9.80665  # m/s2, standard
@@ -32,6 +33,10 @@ GRADE: Any = signal(
     why=": it is an angle in rad",
 )  # fmt: skip
 
+_LIFTED, _APART = (
+    1e-9,
+    1e-15,
+)  # of the stiffness: the largest force up to which a tyre is in the air; what saves it from 0/0
 _NO_SLIP = ": a wheel without it has no slip; leave the tyre out"
 
 
@@ -65,7 +70,7 @@ class Vehicle(Block):
     an inertia m wheel_radius^2 on the flange; with tyre=TyreSlip(...) v and s are states of the block (start values:
     initial={"car.v": ...}). drag_area: drag coefficient times front area; grade: angle of the slope in rad, positive
     uphill; both and rolling may be left out. grade, rolling and wind may be signals, over the way too:
-    grade=table(gb.distance). wheel_inertia: of all wheels, on the flange.
+    grade=table(gb.distance). wheel_inertia: of all wheels, on the flange. A rolling that varies counts as 0 where it is below.
     Rolling resistance is dry friction: at v = 0 it holds the vehicle against up to rolling m g cos(grade). With tyre, v is no
     speed of a shaft and nothing holds: the resistance then jumps at v = 0, unless rolling_speed is given: sign(v) is then
     v/sqrt(v^2 + rolling_speed^2), with or without tyre. Work on the slope, and of the wind, counts as supplied. For several
@@ -203,8 +208,9 @@ class Tyre(Block):
                 ~~~~~~~ road             F = D sin(C atan(stiffness slip/(C D))),   D = grip normal_force
 
     F drives the vehicle forward and brakes the wheel by radius F (the law of `TyreSlip`; C: shape). normal_force: the load of
-    the wheel on the road, a signal that must stay > 0 (a wheel in the air has no slip); grip too may be one, such as that of a
-    road that is wet from somewhere on. What slips is lost. A wheel without inertia passes on what drives it, up to the grip.
+    the wheel on the road, a signal; grip too may be one, such as that of a road that is wet from somewhere on. Where one of
+    them comes to 0 or below (a wheel in the air) there is no force. What slips is lost. A wheel without inertia passes on what
+    drives it, up to the grip.
 
     Example:
         rig = gb.Drivetrain("unicycle")
@@ -225,7 +231,8 @@ class Tyre(Block):
     def physics(self, s: Any) -> Iterator[Contribution]:
         """The force through the slip; what slips is lost."""
         wheel, v = s.radius * s.wheel.w, s.vehicle.v
-        force, slip = _grip(s, s, wheel, v, s.normal_force)
+        lifts = _varies(self.grip) or _varies(self.normal_force)
+        force, slip = _grip(s, s, wheel, v, s.normal_force, lifts=lifts)
         yield Acts(s.wheel, -s.radius * force)
         yield Acts(s.vehicle, force)
         yield Energy(loss=force * (wheel - v))
@@ -243,6 +250,18 @@ def _road_problems(block: Any) -> Iterator[str]:
         yield "rolling_speed needs rolling, the coefficient of rolling resistance"
     if block.wind is not None and block.drag_area is None:
         yield "wind needs drag_area: it acts by the drag of the air"
+    if _varies(block.rolling):
+        yield from _rolling_problems(as_expr(block.rolling))
+
+
+def _rolling_problems(law: Expr) -> Iterator[str]:
+    """A table with points below 0, and what is below 0 as a run begins: it would drive."""
+    drives = "must be >= 0: rolling resistance takes energy, it gives none"
+    least = least_value(law.args[0]) if law.op == "table" else value_at(law, 0.0)
+    if least < 0 and law.op == "table":
+        yield f"rolling = {law.args[0]!r} comes to {least:.4g}, and {drives}"
+    elif least < 0:
+        yield f"rolling = '{law}' is {least:.4g} at t = 0, and {drives}; gb.maximum(..., 0) keeps it there"
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,17 +297,32 @@ def _road(block: Any, s: Any, v: Any, way: Any, *, holds: bool) -> _Road:
         resistance += s.air_density * s.drag_area * u * sp.Abs(u) / 2
         supplied = -resistance * wind
     rolling = sp.Integer(0) if s.rolling is None else along("rolling") * normal
+    if _varies(block.rolling):
+        rolling = sp.Max(0, rolling)
     if s.rolling is not None and (not holds or s.rolling_speed is not None):
         side = sp.sign(v) if s.rolling_speed is None else v / sp.sqrt(v**2 + s.rolling_speed**2)
         resistance += rolling * side
     return _Road(resistance, resistance * v + supplied, climb, normal, rolling)
 
 
-def _grip(s: Any, tyre: Any, wheel: Any, v: Any, normal: Any) -> tuple[Any, Any]:
-    """Force on the tyres and their slip."""
+def _varies(value: Any) -> bool:
+    """Whether a signal is more than a number or an expression of Parameters."""
+    return isinstance(value, (Input, Table, Expr)) and any(x.op != "parameter" for x in as_expr(value).leaves())
+
+
+def _grip(s: Any, tyre: Any, wheel: Any, v: Any, normal: Any, *, lifts: bool = False) -> tuple[Any, Any]:
+    """Force on the tyres and their slip. lifts: there may be nothing that the tyre could transmit."""
     import sympy as sp
 
     slip = s.named("kappa", (wheel - v) / sp.sqrt(v**2 + tyre.low_speed**2), "slip of the tyres")
     most = s.named("D", tyre.grip * normal, "largest force on the tyres", "N")
-    force = most * sp.sin(tyre.shape * sp.atan(tyre.stiffness * slip / (tyre.shape * most)))
+    if not lifts:
+        force = most * sp.sin(tyre.shape * sp.atan(tyre.stiffness * slip / (tyre.shape * most)))
+    else:
+        bears = most > _LIFTED * tyre.stiffness
+        divisor = sp.Piecewise(
+            (most + _APART * tyre.stiffness, bears), (tyre.stiffness, True)
+        )  # in the air a number that stays
+        angle = sp.atan(tyre.stiffness * slip / (tyre.shape * divisor))
+        force = sp.Piecewise((most * sp.sin(tyre.shape * angle), bears), (0, True))
     return s.named("F", force, "force of the road on the tyres", "N"), slip

@@ -38,6 +38,7 @@ from gearblocks.cli.trains import (
     threads,
     unit_apart,
 )
+from gearblocks.cli.typed import called
 from gearblocks.errors import CompileError, GearblocksError, SimulationError
 
 NO, BAD_INPUT, STOPPED = 1, 2, 130
@@ -321,10 +322,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, *_, **__: complain(in_the_shell(f"warning: {message}"))
         try:
-            app(args=None if arguments is None else list(arguments), prog_name="gearblocks")
-        except SystemExit as stop:
-            if stop.code == STOPPED:
+            status = called(app, arguments)
+            if status == STOPPED:
                 complain("stopped by Ctrl-C; what had been written until then is kept")
+            return status
+        except SystemExit as stop:
             return stop.code if isinstance(stop.code, int) else NO
         except GearblocksError as error:
             complain(in_the_shell(str(error)))
@@ -340,4 +342,3 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 raise
             complain(f"a fault in gearblocks itself: {type(error).__name__}: {error} (GEARBLOCKS_DEBUG=1 shows where)")
             return NO
-    return 0

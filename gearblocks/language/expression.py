@@ -14,7 +14,7 @@ from typing import Any
 
 from gearblocks.errors import GearblocksError, ParameterError
 from gearblocks.language.numpy_calls import numpy_call
-from gearblocks.language.refusals import NoWholeNumbers
+from gearblocks.language.refusals import NoWholeNumbers, asked, condition_asked, condition_in, no_condition
 
 FUNCTIONS = (
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "sqrt", "Abs", "sign",
@@ -22,17 +22,8 @@ FUNCTIONS = (
 )  # fmt: skip
 _INFIX = {"+": 1, "*": 2, "**": 4}
 _RELATIONS = ("<", "<=", ">", ">=")
+_NUMERIC = (*_INFIX, *_RELATIONS)
 _LEAVES = ("parameter", "input", "table", "table2", "sense", "time", "local")
-
-
-class ConditionError(GearblocksError, TypeError):
-    """A condition that is asked whether it holds, as `if`, `and` and np.where do; sympy expects a TypeError."""
-
-    def __init__(self, condition: object) -> None:
-        super().__init__(
-            f"'{condition}' is a condition, not a truth: in place of if or np.where write gb.piecewise((value, condition), "
-            "(other, True)), in place of and, or write & and |"
-        )
 
 
 class Expr(NoWholeNumbers):
@@ -113,20 +104,20 @@ class Expr(NoWholeNumbers):
         return _binary(">=", self, other)
 
     def __and__(self, other: Any) -> Any:
-        return _binary("And", self, other)
+        return joined("And", self, other)
 
     def __or__(self, other: Any) -> Any:
-        return _binary("Or", self, other)
+        return joined("Or", self, other)
 
     def __invert__(self) -> Expr:
-        return Expr("Not", self)
+        return Expr("Not", _condition("~", self))
 
     __rand__, __ror__ = __and__, __or__
 
     def __bool__(self) -> bool:
-        if self.op in (*_RELATIONS, "And", "Or", "Not"):
-            raise ConditionError(self)
-        return True
+        if is_condition(self):
+            raise condition_asked(self)
+        return super().__bool__()
 
     def __float__(self) -> float:
         raise ParameterError(
@@ -191,7 +182,27 @@ def is_sympy(x: Any) -> bool:
     return sympy is not None and isinstance(x, sympy.Basic)
 
 
+def is_condition(x: Any) -> bool:
+    """Whether x is one of <, <=, >, >=, or joins such; a value is none, be it 0 or 1."""
+    if is_sympy(x):
+        return bool(x.is_Relational or x.is_Boolean)
+    return isinstance(x, Expr) and x.op in (*_RELATIONS, "And", "Or", "Not")
+
+
+def _condition(sign: str, x: Any) -> Any:
+    if not is_condition(x):
+        raise no_condition(sign, as_expr(x) if hasattr(x, "_expr_") else x)
+    return x
+
+
+def joined(op: str, left: Any, right: Any) -> Any:
+    """Two conditions by "And" or "Or"; ParameterError where one is none."""
+    return _binary(op, *(_condition("&" if op == "And" else "|", x) for x in (left, right)))
+
+
 def _binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | None = None) -> Any:
+    if op in _NUMERIC and (wrong := [x for x in (left, right) if is_condition(x)]):
+        raise condition_in(wrong[0])
     # sympy's Piecewise asks for its own conditions, so those are made where sympy is in use
     if is_sympy(left) or is_sympy(right) or (op in _RELATIONS and "sympy" in sys.modules):
         return _sympy_binary(op, left, right, wrap)
@@ -213,40 +224,13 @@ def _sympy_binary(op: str, left: Any, right: Any, wrap: Callable[[Any], Any] | N
         "<": lambda: a < b, "<=": lambda: a <= b, ">": lambda: a > b, ">=": lambda: a >= b,
         "And": lambda: sp.And(a, b), "Or": lambda: sp.Or(a, b),
     }  # fmt: skip
-    made = operations[op]()
-    return _conditions()[type(made)]._of(made) if type(made) in _conditions() else made
-
-
-@lru_cache(maxsize=1)
-def _conditions() -> dict[Any, Any]:
-    """By the relations of sympy the same that say, where they are asked whether they hold, what to write instead."""
-    import sympy as sp
-
-    def condition(relation: Any) -> Any:
-        class Condition(relation):  # type: ignore[misc]  # sympy carries no types
-            __slots__ = ()
-
-            func = relation
-            """What it becomes where sympy makes it anew."""
-
-            @classmethod
-            def _of(cls, made: Any) -> Any:
-                return sp.Basic.__new__(cls, *made.args)
-
-            def __bool__(self) -> bool:
-                raise ConditionError(from_sympy(self))
-
-            def __reduce_ex__(self, protocol: object) -> tuple[Any, ...]:
-                return relation, self.args
-
-        Condition.__name__ = relation.__name__
-        return Condition
-
-    return {relation: condition(relation) for relation in (sp.Lt, sp.Le, sp.Gt, sp.Ge)}
+    return asked(operations[op](), from_sympy, joined)
 
 
 def function(name: str, *args: Any) -> Expr:
     """A named function of expressions, for example function("sin", 3 * time). The largest of the largest is one node."""
+    if wrong := [x for x in args if is_condition(x)]:
+        raise condition_in(wrong[0])
     parts = [(a,) if a.op != name or name not in ("Max", "Min") else a.args for a in map(as_expr, args)]
     return Expr(name, *(a for part in parts for a in part))
 

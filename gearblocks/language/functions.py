@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gearblocks.errors import ParameterError, by_name_only
-from gearblocks.language.expression import Expr, as_expr, evaluate, function, is_sympy, number
+from gearblocks.language.expression import Expr, as_expr, evaluate, function, is_condition, is_sympy, number
 
 pi = math.pi
 """The ratio of a circle's circumference to its diameter."""
@@ -80,13 +80,24 @@ def Heaviside(x: Any) -> Any:
     return _call("Heaviside", x)
 
 
+_COMPARED = "; == and != compare no values: abs(x - 2) < 0.5; between numbers choose with `a if n > 3 else b`"
+
+
 @by_name_only
 def piecewise(*pairs: tuple[Any, Any]) -> Any:
     """(value, condition) pairs, the first true condition wins; the last condition must be True."""
     flat: list[Any] = []
-    for pair in pairs:
+    for i, pair in enumerate(pairs):
         if not isinstance(pair, tuple) or len(pair) != 2 or pair[1] is False:
-            raise ParameterError(f"piecewise: {pair!r:.80} must be (value, condition), the condition made with < or >")
+            raise ParameterError(
+                f"piecewise: {pair!r:.80} must be (value, condition), the condition made with < or >{_COMPARED}"
+            )
+        if pair[1] is True and i < len(pairs) - 1:
+            raise ParameterError(
+                f"piecewise: {pair!r:.80} stands before others, which its condition True keeps from counting{_COMPARED}"
+            )
+        if pair[1] is not True and not is_condition(pair[1]):
+            raise ParameterError(f"piecewise: the condition of {pair!r:.80} is a value: compare it, such as x > 0.5")
         flat += pair
     if not pairs or pairs[-1][1] is not True:
         raise ParameterError("piecewise has no value where no condition holds: end it with (value, True)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
+import shlex
 import subprocess
 import sys
 import zipfile
@@ -14,6 +15,7 @@ import pytest
 import gearblocks
 from gearblocks.cli.main import main
 from gearblocks.cli.terminal import in_the_shell
+from gearblocks.cli.typed import EXAMPLES
 from gearblocks.simulation.trajectory import Trajectory
 
 SCRIPT = '''"""A motor that swings against the ground through a shaft."""
@@ -308,3 +310,20 @@ def test_messages_name_in_the_shell_what_can_be_typed_there() -> None:
         "nothing of Python": "nothing of Python",
     }
     assert [in_the_shell(words) for words in told] == list(told.values())
+
+
+def test_every_command_that_needs_something_says_so_with_a_call_that_is_right(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    needing = {c for c in COMMANDS if c not in ("demo", "list", "doc", "hard")}
+    assert set(EXAMPLES) == needing
+    for command in needing:
+        assert main([command]) == 2
+        _, err = said(capsys)
+        assert err.startswith(f"gearblocks: {command}: ") and err.rstrip().endswith(
+            f" is missing; for example: {EXAMPLES[command]}"
+        )
+        options = [x for x in shlex.split(EXAMPLES[command]) if x.startswith("-")]
+        assert main([command, "-h"]) == 0
+        out, _ = said(capsys)
+        assert all(option in out for option in options)

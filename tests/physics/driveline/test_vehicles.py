@@ -264,3 +264,75 @@ def test_vehicles_that_cannot_be_are_refused_by_name(block, says):
     rig = gb.Drivetrain("rig")
     with pytest.raises(gb.ModelError, match=says):
         rig.add("part", block())
+
+
+# -- rolling resistance and loads that come to nothing -------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("rolling", "says"),
+    [
+        (gb.Table([0.0, 1.0], [0.01, -0.01]), "rolling = Table.* comes to -0.01, and must be >= 0"),
+        (gb.Table([0.0, 1.0], [0.01, -0.01])(gb.distance), "rolling = Table.* comes to -0.01, and must be >= 0"),
+        (0.01 * gb.time - 0.02, "is -0.02 at t = 0, and must be >= 0: .*; gb.maximum"),
+        (gb.Input("f_r", start=-0.02), "is -0.02 at t = 0"),
+    ],
+)
+@pytest.mark.parametrize("kind", [gb.Chassis, lambda **more: gb.Vehicle(wheel_radius=0.3, **more)])
+def test_rolling_resistance_that_would_drive_is_refused_by_name(kind, rolling, says):
+    rig = gb.Drivetrain("rig")
+    with pytest.raises(gb.ModelError, match=says):
+        rig.add("car", kind(mass=100.0, rolling=rolling))
+
+
+@pytest.mark.parametrize("rolling_speed", [None, 1e-4])
+def test_rolling_resistance_that_comes_below_zero_is_none(rolling_speed):
+    """v' = -g max(0, 0.1 - 0.2 t): it drove the car on from 0.5 s."""
+    car = gb.Chassis(mass=100.0, v0=3.0, rolling=0.1 - 0.2 * gb.time, rolling_speed=rolling_speed)
+    rig = gb.Drivetrain("coasting")
+    rig.add("car", car)
+    run = gb.simulate(rig, t=np.linspace(0.0, 1.0, 11), rtol=1e-10)
+    t = np.minimum(run.t, 0.5)
+    assert np.allclose(run["car.v"], 3.0 - 9.80665 * (0.1 * t - 0.1 * t**2), rtol=1e-9)
+    assert run.energy.dissipated["car"] == pytest.approx(50.0 * (9.0 - run["car.v"][-1] ** 2), rel=1e-8)
+
+
+_LOADS = {
+    "a table to zero": gb.Table([0.0, 0.2], [800.0, 0.0]),
+    "a table through zero": gb.Table([0.0, 0.1, 0.3], [800.0, 0.0, -800.0]),
+    "cases": gb.piecewise((800.0, gb.time < 0.1), (0.0, True)),
+    "a largest": gb.maximum(800.0 * (1.0 - 5.0 * gb.time), 0.0),
+    "a wave": 800.0 * gb.cos(10.0 * gb.time),
+    "never": gb.Input("load"),
+}
+
+
+@pytest.mark.parametrize("load", _LOADS.values(), ids=_LOADS)
+@pytest.mark.parametrize("v0", [0.5, 6.0])
+def test_a_wheel_in_the_air_has_no_force(load, v0):
+    """NaN, or the force of a load of the other sign, before; v0 = 6: it rolls when it is lifted."""
+    rig = _chain(
+        wheel=gb.Inertia(J=5.0, w0=20.0),
+        tyre=gb.Tyre(radius=0.3, stiffness=2e4, grip=0.8, low_speed=0.2, normal_force=load),
+        rider=gb.Chassis(mass=80.0, v0=v0),
+    )
+    run = gb.simulate(rig, t=[0.0, 0.05, 0.2, 0.25, 0.3], rtol=1e-9)
+    assert run["tyre.force"][2:] == pytest.approx(0.0, abs=0.0)
+    assert run["rider.v"][2] == run["rider.v"][4] and run["wheel.w"][2] == run["wheel.w"][4]
+    momentum = 80.0 * run["rider.v"] + 5.0 * run["wheel.w"] / 0.3
+    assert np.allclose(momentum, momentum[0], rtol=1e-8) and run.energy.residual < 1e-8
+    assert (run["rider.v"][1] > v0) == (v0 < 6.0 and not isinstance(load, gb.Input))
+
+
+def test_a_tyre_lands_again():
+    """Lifted from 0.1 s to 0.2 s the wheel spins up freely; grip then takes the slip off again."""
+    load = gb.Table([0.0, 0.1, 0.1, 0.2, 0.2, 1.0], [800.0, 800.0, 0.0, 0.0, 800.0, 800.0])
+    rig = _chain(
+        drive=gb.Torque(tau=30.0), wheel=gb.Inertia(J=0.5, w0=20.0),
+        tyre=gb.Tyre(radius=0.3, stiffness=2e4, grip=0.8, low_speed=0.2, normal_force=load),
+        rider=gb.Chassis(mass=80.0, v0=6.0),
+    )  # fmt: skip
+    run = gb.simulate(rig, t=[0.1, 0.15, 0.2, 1.0], rtol=1e-9)
+    assert np.allclose(np.diff(run["wheel.w"][:3]), 30.0 / 0.5 * 0.05, rtol=1e-6)
+    assert np.ptp(run["rider.v"][:3]) < 1e-9
+    assert run["wheel.w"][3] * 0.3 == pytest.approx(run["rider.v"][3], rel=1e-2)

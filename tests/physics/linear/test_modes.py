@@ -298,3 +298,16 @@ def test_with_frozen_angles_gravity_restores_nothing():
     assert gb.modes(rig, at=None).frequencies == pytest.approx([np.sqrt(3.0 * np.cos(0.2) / 0.5)], rel=1e-7)
     still = gb.modes(rig, at=None, frozen_angles=True)
     assert still.free == 1 and still.frequencies == pytest.approx([0.0], abs=0)
+
+
+def test_a_mode_is_asked_for_by_its_number():
+    rig = gb.Drivetrain("two")
+    rig.chain(rig.add("a", gb.Inertia(J=1.0)), rig.add("axle", gb.Shaft(k=8.0)), rig.add("b", gb.Inertia(J=1.0)))
+    modes = gb.modes(rig)
+    mode = modes[1]
+    assert mode == modes[-1] and [x.number for x in modes] == [0, 1]
+    assert mode.frequency == pytest.approx(4.0, rel=1e-12) and mode.hertz == modes.hertz[1]
+    assert mode.strain == {"axle": 1.0} and mode.kinetic == pytest.approx({"a": 0.5, "b": 0.5})
+    assert mode.shape["a"] == pytest.approx(-mode.shape["b"], rel=1e-12)
+    with pytest.raises(IndexError, match=r"modes\[2\]: .* is numbered from 0 to 1"):
+        modes[2]

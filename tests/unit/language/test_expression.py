@@ -3,6 +3,7 @@
 import functools
 import math
 import pickle
+import sys
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import sympy as sp
 
 import gearblocks as gb
 from gearblocks.language.expression import as_expr, evaluate, finite_number, from_sympy, to_sympy
+from gearblocks.language.refusals import ConditionError
 from gearblocks.train.json_form import parse
 
 NAN, INF = float("nan"), float("inf")
@@ -151,3 +153,54 @@ def test_a_train_takes_a_sum_of_a_thousand_signals() -> None:
     torque = sum(gb.Input(f"u{i}", 1.0) for i in range(1000))
     rig.chain(rig.add("drive", gb.Torque(tau=torque)), rig.add("body", gb.Inertia(J=10.0)))
     assert gb.simulate(rig, t_end=1.0, outputs="body.w")["body.w"][-1] == pytest.approx(100.0, rel=1e-12)
+
+
+# -- truth ------------------------------------------------------------------------------------------------------------
+
+X = gb.sense("w.w")
+
+
+@pytest.fixture(params=[False, True], ids=["alone", "beside sympy"])
+def beside_sympy(request, monkeypatch):
+    """Conditions are expressions of ours, or sympy's where sympy is in use."""
+    if not request.param:
+        monkeypatch.delitem(sys.modules, "sympy")
+
+
+@pytest.mark.usefixtures("beside_sympy")
+@pytest.mark.parametrize(
+    ("asked", "says"),
+    [
+        (lambda: X and 3, r"'sense\('w.w'\)' is a value that a run gives, neither true nor false: compare it"),
+        (lambda: U or 3, r"'input\('u'\)' is a value that a run gives"),
+        (lambda: not X, r"join conditions by & and \|, each in brackets"),
+        (lambda: 3 if gb.Parameter("k", 0.0) else 4, "is asked by `is not None`"),
+        (lambda: 0 < X < 1, r"in place of a < x < b write \(a < x\) & \(x < b\)"),
+        (lambda: (X > 0) and (U < 1), r"write & and \| and ~ with each condition in brackets"),
+        (lambda: not ((X > 0) & (U < 1)), r"'And\(.*\)' is a condition, not a truth"),
+        (lambda: not ~((X > 0) | (U < 1)), r"'Not\(.*\)' is a condition, not a truth"),
+        (lambda: X & (U > 0), r"'sense\('w.w'\)' is no condition: & goes with such, each in brackets"),
+        (lambda: (X > 0) | U, r"'input\('u'\)' is no condition: \| goes with such"),
+        (lambda: ~X, r"'sense\('w.w'\)' is no condition: ~ goes with such"),
+        (lambda: X > 0 & U < 1, "is no condition: & goes with such, each in brackets"),
+        (lambda: 5 * (X > 0), r"is a condition, no number: in place of 5 \* \(x > 0\) write gb.piecewise"),
+        (lambda: ((X > 0) & (U > 0)) + 1, "is a condition, no number"),
+        (lambda: gb.maximum(X > 0, 1), "is a condition, no number"),
+        (lambda: gb.piecewise((1, X), (0, True)), "is a value: compare it, such as x > 0.5"),
+        (lambda: gb.piecewise((1, X == 2), (0, True)), r"== and != compare no values: abs\(x - 2\) < 0.5"),
+        (lambda: gb.piecewise((1, X != 2), (0, True)), "stands before others, which its condition True keeps from"),
+    ],
+)
+def test_what_asks_for_a_truth_before_any_run_is_told_how_conditions_are_written(asked, says):
+    with pytest.raises((gb.ParameterError, ConditionError), match=says):
+        asked()
+
+
+@pytest.mark.usefixtures("beside_sympy")
+def test_conditions_are_joined_by_and_or_and_not():
+    both, one, none = (X > 0) & (U < 1), (X > 0) | (U < 1), ~(X > 0)
+    for condition, truths in ((both, (0, 0, 0, 1)), (one, (1, 0, 1, 1)), (none, (1, 1, 0, 0))):
+        law = gb.piecewise((1.0, condition), (0.0, True))
+        for (x, u), truth in zip(((-1, 0), (-1, 2), (1, 2), (1, 0)), truths, strict=True):
+            values = {"sense": x, "input": u}
+            assert evaluate(law, lambda e, values=values: values[e.op]) == truth
