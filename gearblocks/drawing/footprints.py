@@ -11,14 +11,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
-from gearblocks.blocks import Differential, Gearbox, GearMesh, IdealGear, LossyGear, NonCircularGear, Worm
+from gearblocks.blocks import Differential, Gearbox, GearMesh, IdealGear, LossyGear, NonCircularGear, Rack, Worm
 from gearblocks.drawing import pairs
 from gearblocks.drawing.captions import Caption
 from gearblocks.drawing.lanes import Lanes
 from gearblocks.drawing.riders import rider
 from gearblocks.drawing.scheme import Element
 from gearblocks.drawing.sets import differential, stick_scheme
-from gearblocks.drawing.symbols import Symbol, framed_pair, named_box, series, side_by_side
+from gearblocks.drawing.symbols import Symbol, framed_pair, framed_rack, named_box, series, side_by_side
 
 FRAMED = (IdealGear, LossyGear, Gearbox, GearMesh, NonCircularGear, Worm)
 """Pairs that are drawn in a frame where their housing or carrier turns."""
@@ -105,6 +105,8 @@ def boxed_symbol(e: Element, sides: Sequence[int]) -> Symbol:
         return _oriented(e, sides[0] < 0)
     if len(e.ports) == 3 and not e.grounded and isinstance(e.block, FRAMED):
         return framed_pair((sides[0], sides[1], sides[2]))
+    if len(e.ports) > 2 and not e.grounded and isinstance(e.block, Rack) and names[:2] == ["flange", "slider"]:
+        return framed_rack(tuple(sides), names)
     rows = {-1: 0, 1: 0}
     heights = list[float]()
     for side in sides:

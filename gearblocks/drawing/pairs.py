@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from gearblocks.blocks import BeltDrive, Gearbox, LossyGear, NonCircularGear, Rack, Worm
-from gearblocks.drawing.shapes import FILLED, THIN, Circle, Shape, arc, line, moved, turned
+from gearblocks.drawing.shapes import FILLED, THIN, Circle, Shape, arc, hatch, line, moved, turned
 from gearblocks.language.block import Block
 
 OUTWARD, APART, HALF = 18.0, 13.0, 11.0
@@ -80,6 +80,7 @@ def _screw(radius: float) -> tuple[Shape, ...]:
 
 
 def _rack(reach: float) -> tuple[Shape, ...]:
-    """A toothed bar where the wheel rolls, on a post from its slider."""
+    """A toothed bar where the wheel rolls, on a post from its slider, and the fixed frame that the slider is led by."""
     teeth = tuple(line((x, reach), (x + 2, reach - 3), (x + 4, reach), look=THIN) for x in (-10, -6, -2, 2, 6))
-    return (*teeth, line((-10, reach - 3), (10, reach - 3)), line((0, 0), (0, reach - 3)))
+    frame = (line((-8, -4), (8, -4)), line((0, -4), (0, -9)), *hatch(0, -9, 9, "up"))
+    return (*teeth, line((-10, reach - 3), (10, reach - 3)), line((0, 0), (0, reach - 3)), *frame)

@@ -6,7 +6,7 @@ catalogue is a box with the name of the class. Knows nothing of lanes and of pla
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, final
 
@@ -251,6 +251,28 @@ def framed_pair(sides: tuple[int, int, int]) -> Symbol:
         shapes.append(line((side * 16, y + 3), (side * 24, y + 3), look=THIN))
     shapes.append(line((sides[2] * 20, 0), (sides[2] * 28, 0)))
     return Symbol(tuple(shapes), 28, 28, 28, 28, (-13.0, 13.0, 0.0))
+
+
+def framed_rack(sides: tuple[int, ...], names: Sequence[str]) -> Symbol:
+    """A pinion on its rack, each in what leads it where that moves: the bearing of the pinion in its housing, the bar of the
+    rack in its frame. The axis above, the slider below, then the housing on top and the frame at the bottom."""
+    teeth = tuple(line((x, 1.0), (x + 2, -2.0), (x + 4, 1.0), look=THIN) for x in (-10, -6, -2, 2, 6))
+    shapes: list[Shape] = [line((0, -24), (0, -3)), line((-6, -24), (6, -24)), line((-6, -3), (6, -3))]
+    shapes += [*teeth, line((-14, 1), (14, 1)), line((0, 1), (0, 13))]
+    heights = {"flange": -13.0, "slider": 13.0, "housing": -30.0, "frame": 24.0}
+    ends = {"flange": 0.0, "slider": 0.0, "housing": 15.0 * sides[0], "frame": -9.0 * sides[1]}
+    if "housing" in names:
+        x = ends["housing"]
+        shapes += [line((x - 5, y), (x + 5, y)) for y in (-17, -9)]
+        shapes.append(line((x, -17), (x, -30)))
+    if "frame" in names:
+        x = ends["frame"]
+        shapes += [line((x - 5, 5), (x + 5, 5)), line((x, 5), (x, 24))]
+    shapes += [
+        line((ends[name], heights[name]), (side * 28, heights[name])) for name, side in zip(names, sides, strict=True)
+    ]
+    up, down = 34.0 if "housing" in names else 27.0, 28.0 if "frame" in names else 17.0
+    return Symbol(tuple(shapes), 28, 28, up, down, tuple(heights[name] for name in names))
 
 
 def _lettered(letter: str) -> Symbol:

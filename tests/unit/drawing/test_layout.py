@@ -24,7 +24,7 @@ from tests.random.families import FAMILIES, draw
 MODELS = [f"{name}:{maker.name}" for name, path in scripts.shipped().items() for maker in scripts.makers(path)]
 RANDOM = [(family, seed) for seed in range(5) for family in FAMILIES]
 PLAIN = {gb.Governor, gb.ThermalConductance, gb.ThermalMass}
-PLAIN_WHERE_HOUSED = {gb.BeltDrive, gb.TorqueConverter, gb.Engine, gb.EddyCurrentBrake, gb.Rack, gb.SpeedLoad}
+PLAIN_WHERE_HOUSED = {gb.BeltDrive, gb.TorqueConverter, gb.Engine, gb.EddyCurrentBrake, gb.SpeedLoad}
 SLACK = 1e-6  # rounding of sums of widths
 
 
@@ -234,6 +234,40 @@ def test_every_block_of_the_catalogue_has_a_symbol(kind: type[gb.Block], housed:
     _check_geometry(drawing.layout)
     plain = PLAIN | (PLAIN_WHERE_HOUSED if housed else set())
     assert (f">{kind.__name__}</text>" in drawing.text) == (kind in plain)
+
+
+@pytest.mark.parametrize(
+    "moving", [(), ("frame",), ("housing",), ("housing", "frame")], ids=lambda x: "-".join(x) or "none"
+)
+def test_the_frame_of_a_rack_is_drawn_fixed_or_where_it_moves(moving: tuple[str, ...]) -> None:
+    """It stood nowhere, and a rack in a frame that moves was a box with its name."""
+    rig = gb.Drivetrain("steering")
+    pinion, rack, rod = (
+        rig.add(n, b)
+        for n, b in (("pinion", gb.Inertia(J=1.0)), ("rack", gb.Rack(radius=0.01)), ("rod", gb.Mass(m=1.0)))
+    )
+    rig.connect(pinion.a, rack.flange)
+    rig.connect(rack.slider, rod.a)
+    for name in moving:
+        rig.connect(
+            getattr(rack, name), rig.add(f"the_{name}", gb.Mass(m=3.0) if name == "frame" else gb.Inertia(J=3.0)).a
+        )
+    drawing = rig.draw()
+    _check_geometry(drawing.layout)
+    assert ">Rack</text>" not in drawing.text
+    (figure,) = (f for f in drawing.layout.figures if f.element.name == "rack")
+    box = next(b for b in drawing.layout.boxes if b.element == figure.number)
+    strokes = [s for s in figure.shapes if isinstance(s, Stroke)]
+    assert all(box.x - SLACK <= x <= box.x + box.width + SLACK and box.y - SLACK <= y <= box.y + box.height + SLACK
+               for s in strokes for x, y in s.points)  # fmt: skip
+    slanted = [
+        s
+        for s in strokes
+        if len(s.points) == 2 and s.points[0][0] != s.points[1][0] and s.points[0][1] != s.points[1][1]
+    ]
+    assert len(slanted) == (0 if moving else 5)  # the ground that a frame stands on where it does not move
+    ports = [flange for flange, _ in figure.element.ports]
+    assert ports == ["flange", "slider", *moving]
 
 
 def test_a_wheel_that_a_fixed_holds_is_grounded_within_the_set() -> None:
