@@ -1,4 +1,4 @@
-"""Seventeen families of random trains; each is a function from a seed to a description."""
+"""Eighteen families of random trains; each is a function from a seed to a description."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from tests.random.families.friction import friction
 from tests.random.families.given import given
 from tests.random.families.heat import heat
 from tests.random.families.inertialess import inertialess
+from tests.random.families.late import late
 from tests.random.families.laws import laws
 from tests.random.families.lossy import lossy
 from tests.random.families.mixed import mixed
@@ -43,6 +44,7 @@ FAMILIES: dict[str, Callable[[int], Train]] = {
         warm,
         given,
         positioner,
+        late,
     )
 }
 
