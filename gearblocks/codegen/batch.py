@@ -11,7 +11,7 @@ from gearblocks.assembly.tables import Batch
 from gearblocks.codegen.comments import of_components
 from gearblocks.codegen.common_terms import CommonTerms
 from gearblocks.codegen.event_functions import EventFunctions
-from gearblocks.codegen.function import Argument, Function, Names, column
+from gearblocks.codegen.function import OUTPUTS, SELDOM, UNROLLED, Argument, Function, Names, column
 from gearblocks.codegen.hoisting import Hoister
 from gearblocks.codegen.layout import Layout
 from gearblocks.codegen.massless_balance import balance_of
@@ -143,7 +143,11 @@ class BatchCode:
 
     def _function(self, what: str, names: Names, body: list[Statement]) -> Function:
         arguments, constants = list(names.arguments.values()), list(names.constants.items())
-        return Function(f"{what}_{self.batch.name}", arguments, constants, body, names.reads, self.n, self.words)
+        unrolled = 1 if what in SELDOM else UNROLLED
+        name = f"{what}_{self.batch.name}"
+        return Function(
+            name, arguments, constants, body, names.reads, self.n, self.words, (), unrolled, is_apart=what in OUTPUTS
+        )
 
     def _statement(self, a: Assignment, names: Names) -> Statement:
         text = names.print(a.expr)

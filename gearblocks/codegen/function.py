@@ -14,6 +14,9 @@ from gearblocks.laws.rational import Exact
 
 UNROLLED = 8
 """Batches of at most this many instances are called one by one, with numbers in place of table columns."""
+OUTPUTS = frozenset({"outputs", "unwrapped_outputs"})
+SELDOM = OUTPUTS | {"scales", "mode_limits", "torques", "inertia_torques", "starts"}
+"""What no step of a solver runs through: looped over from two instances on, which is less to compile."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +29,7 @@ class Column:
     @property
     def is_table(self) -> bool:
         """Whether it needs an array in C."""
-        return len(self.values) > 2 and self._progression is None
+        return self._progression is None
 
     @cached_property
     def _progression(self) -> tuple[Any, Any] | None:
@@ -132,7 +135,8 @@ class Function:
     """One function of a batch, called once per instance.
 
     constants: (name, C) of what it defines first; read: roles in its constants and expressions; count: instances;
-    words: the components, for a comment; each: of outputs, what every one of them reads.
+    words: the components, for a comment; each: of outputs, what every one of them reads; unrolled: so many instances at most
+    are called one by one; is_apart: where it is called in a loop it stays a function, as it is read one by one.
     """
 
     name: str
@@ -143,11 +147,13 @@ class Function:
     count: int
     words: str = ""
     each: tuple[tuple[Operand, Roles], ...] = ()
+    unrolled: int = UNROLLED
+    is_apart: bool = False
 
     @property
     def looped(self) -> bool:
         """Whether the calls stand in a loop."""
-        return self.count > UNROLLED
+        return self.count > self.unrolled
 
     @property
     def tables(self) -> list[Argument]:

@@ -67,6 +67,9 @@ def reaction_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) ->
             tables["effect_value"] += nodes.values()
             tables["effect_start"].append(len(tables["effect_node"]))
         tables["phase"].append(len(tables["lambda_start"]) - 1)
+    tables["coupled"] = len(tables["phase"]) < len(tables["lambda_start"]) or any(
+        len(forms) != 1 for phase in phases for _, forms in phase
+    )
     for name in ("lambda_value", "effect_value"):
         tables[name] = texts_of(tables[name])
     return tables

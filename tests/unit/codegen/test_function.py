@@ -1,7 +1,9 @@
 """Signatures and calls of generated functions follow from the roles in them."""
 
+import gearblocks as gb
 from gearblocks.codegen.function import UNROLLED, Argument, Column, Function, Names, column, identifier
 from gearblocks.codegen.operands import NONE, Local, Operand, Role, Statement
+from gearblocks.model.build import make_program
 
 
 def _function(body, *, read=NONE, arguments=(), count=1):
@@ -48,11 +50,22 @@ def test_numbers_of_instances_are_written_into_calls_and_tables_are_for_loops_on
     assert _function([], arguments=many, count=len(values)).tables == many
 
 
+def test_what_no_step_runs_through_is_looped_over():
+    rig = gb.Drivetrain("pair")
+    rig.chain(rig.add("one", gb.Inertia(J=1.0)), rig.add("shaft", gb.Shaft(k=1.0)), rig.add("two", gb.Inertia(J=1.0)))
+    source = make_program(rig.train()).source
+    assert source.count("inertia_torques_inertia_0(par, flange_tau") == 1
+    assert source.count("energies_inertia_0(par, y, energy, ") == 2  # the ledger follows them step by step
+    assert "GB_OUT_OF_LINE void outputs_inertia_0(" in source
+    assert "static inline void outputs_shaft_1(" in source
+
+
 def test_progressions_need_no_table():
     assert Column("x", (3, 5, 7, 9)).text() == "3 + 2 * e"
     assert Column("x", (0, 1, 2)).text() == "e"
     assert Column("x", (2.5, 2.5, 2.5)).text() == "2.5"
     assert Column("x", (1.0, 2.0, 3.0)).text() == "x[e]"  # floats could round
+    assert Column("x", (1.0, 2.0)).is_table
 
 
 def test_an_argument_is_taken_once():
