@@ -5,7 +5,7 @@ All ratios are exact fractions. Numbers of parameters take no part: they are rea
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
@@ -168,13 +168,19 @@ def _exact_values(train: Train, laws: list[Law]) -> list[ExactValues]:
 
 
 def _rigid_constraints(train: Train, laws: list[Law], known: list[ExactValues]) -> Iterable[RigidConstraint]:
+    ties: dict[int, list[tuple[list[tuple[int, str, Any]], Any]]] = {}
     for index, (c, law, values) in enumerate(zip(train.components, laws, known, strict=True)):
-        names = list(type(c.block).flanges) if law.ties else []
-        for coefficients, constant in law.ties:
+        if id(law) not in ties:
+            places = {name: i for i, name in enumerate(type(c.block).flanges)}
+            ties[id(law)] = [
+                ([_term(c, places, *item, values) for item in row.items()], constant) for row, constant in law.ties
+            ]
+        for terms, constant in ties[id(law)]:
             row: dict[int, Exact] = {}
-            for flange, expr in coefficients.items():
-                node = c.nodes[names.index(flange)]
-                row[node] = row.get(node, 0) + _factor(c.path, flange, expr, values)
+            for place, flange, found in terms:
+                node = c.nodes[place]
+                factor = found if isinstance(found, (int, Fraction)) else _factor(c.path, flange, found, values)
+                row[node] = row.get(node, 0) + factor
             offset, offset_value = None, 0.0
             if constant != 0:
                 meaning = law.pool.roles.get(-constant)
@@ -184,7 +190,9 @@ def _rigid_constraints(train: Train, laws: list[Law], known: list[ExactValues]) 
                     )
                 offset = f"{c.path}.{meaning.of}"
                 offset_value = float(getattr(c.block, meaning.of))
-            yield RigidConstraint(c.path, {n: v for n, v in row.items() if v}, offset, offset_value, index)
+            if not all(row.values()):
+                row = {n: v for n, v in row.items() if v}
+            yield RigidConstraint(c.path, row, offset, offset_value, index)
 
 
 # -- coordinates and batches ------------------------------------------------------------------------------------------
@@ -250,6 +258,8 @@ def _steady_first(assembly: Assembly, definitions: Iterable[Combination]) -> Non
     """Renumbers the coordinates: those whose rates are fixed combinations of speeds come first."""
     fixed = [assembly.steady.issuperset(row) for row in assembly.rows]
     assembly.n_steady = sum(fixed)
+    if all(fixed):
+        return
     order = sorted(range(len(fixed)), key=lambda j: not fixed[j])
     index = {j: i for i, j in enumerate(order)}
     assembly.rows = [assembly.rows[j] for j in order]
@@ -323,15 +333,17 @@ def _forms(c: Component, law: Law, values: ExactValues) -> _Forms:
     places = {n: i for i, n in enumerate(type(c.block).flanges) if c.nodes[i] != GROUND}
     used = tuple(u in symbols for u in law.coordinates)
 
-    def term(flange: str, expr: Any) -> tuple[int, str, Any]:
-        return places[flange], flange, expr if expr.free_symbols else _factor(c.path, flange, expr, values)
-
     terms = tuple(
-        tuple(term(*item) for item in form.coefficients.items()) if wanted else ()
+        tuple(_term(c, places, *item, values) for item in form.coefficients.items()) if wanted else ()
         for form, wanted in zip(law.forms, used, strict=True)
     )
     reads = any(law.pool.roles[x].role == "phi" for x in symbols)
     return _Forms(tuple(places), tuple(places.values()), used, terms, reads)
+
+
+def _term(c: Component, places: Mapping[str, int], flange: str, expr: Any, values: ExactValues) -> tuple[int, str, Any]:
+    """Number and name of a flange, and its factor: as a number where it is one, else symbolic."""
+    return places[flange], flange, expr if expr.free_symbols else _factor(c.path, flange, expr, values)
 
 
 def _take(
@@ -356,11 +368,13 @@ def _take(
                     add_row(combination.offsets, {offset: gain}, factor)
             elif group in expanded:
                 combination.add(expanded[group], factor * gain)
-            else:
+            elif group in combination.groups:
                 add_row(combination.groups, {group: gain}, factor)
+            elif factor:
+                combination.groups[group] = factor * gain
         taken = coordinates.take(combination)
         if isinstance(taken, int):
-            assembly.row_offsets.append(dict(combination.offsets))
+            assembly.row_offsets.append(combination.offsets)
             sources.append(taken)
         else:
             sources.append(len(assembly.dependents))

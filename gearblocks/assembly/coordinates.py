@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Container, Iterable, Mapping
 
-from gearblocks.assembly.elimination import Combination, Elimination, Row
-from gearblocks.laws.rational import over
+from gearblocks.assembly.elimination import Combination, Elimination, Row, solved
 from gearblocks.train.disjoint_sets import DisjointSets
 
 _ROUNDING = 1e-14  # of the sizes of what cancels
@@ -64,7 +63,7 @@ class Coordinates:
         number = len(self.rows)
         minus_itself = Combination(base.groups, {number: -1, **base.coordinates}, base.offsets)
         self._elimination.solve(minus_itself, pivot)
-        self.rows.append(dict(form.groups))
+        self.rows.append(form.groups)
         self._forms.append(form)
         return number
 
@@ -74,23 +73,29 @@ class Coordinates:
         be solved together, or (without circles) where angles are prescribed."""
         if self.given:
             return self._without_circles()
-        unknown = [self.definitions.keys() & form.groups.keys() for form in self._forms]
+        definitions = self.definitions
         naming: dict[int, list[int]] = {}
-        for number, groups in enumerate(unknown):
-            for g in groups:
-                naming.setdefault(g, []).append(number)
+        # unknown groups of a form: how many, and their sum
+        open_, names = [0] * len(self._forms), [0] * len(self._forms)
+        for number, form in enumerate(self._forms):
+            for g in form.groups:
+                if g in definitions:
+                    naming.setdefault(g, []).append(number)
+                    open_[number] += 1
+                    names[number] += g
         found: dict[int, tuple[int, Combination]] = {}
-        ready = [number for number, groups in enumerate(unknown) if len(groups) == 1]
+        ready = [number for number, left in enumerate(open_) if left == 1]
         for number in ready:
-            if not unknown[number]:
-                return self.definitions
-            pivot = unknown[number].pop()
+            if not open_[number]:
+                return definitions
+            pivot = names[number]
             found[number] = pivot, self._solved(number, pivot)
             for other in naming[pivot]:
-                unknown[other].discard(pivot)
-                if other not in found and len(unknown[other]) == 1:
+                open_[other] -= 1
+                names[other] -= pivot
+                if open_[other] == 1 and other not in found:
                     ready.append(other)
-        return dict(found[i] for i in sorted(found)) if len(found) == len(unknown) else self.definitions
+        return dict(found[i] for i in sorted(found)) if len(found) == len(open_) else definitions
 
     def _without_circles(self) -> dict[int, Combination]:
         """`definitions`; in full where a prescribed angle reads a group that names it in turn: what cancels in full may stand
@@ -114,12 +119,8 @@ class Coordinates:
 
     def _solved(self, number: int, pivot: int) -> Combination:
         """A group by the form of a coordinate."""
-        form, result = self._forms[number], Combination()
-        result.add(
-            Combination(form.groups, {number: -1, **form.coordinates}, form.offsets), over(-1, form.groups[pivot])
-        )
-        del result.groups[pivot]
-        return result
+        form = self._forms[number]
+        return solved(Combination(form.groups, {number: -1, **form.coordinates}, form.offsets), pivot)
 
     def _rank(self, group: int) -> int:
         return 0 if group in self._first else 2 if group in self._last else 1

@@ -43,6 +43,9 @@ class Combination:
 
 def add_row(target: dict[_K, Exact], source: Mapping[_K, Exact], factor: Exact) -> None:
     """target += factor * source; what cancels leaves no entry."""
+    if not target:
+        target.update(scaled(source, factor))
+        return
     for key, value in source.items():
         total = target.get(key, 0) + factor * value
         if total:
@@ -51,10 +54,17 @@ def add_row(target: dict[_K, Exact], source: Mapping[_K, Exact], factor: Exact) 
             target.pop(key, None)
 
 
+def scaled(row: Mapping[_K, Exact], factor: Exact) -> dict[_K, Exact]:
+    """factor * row."""
+    return {key: product for key, value in row.items() if (product := factor * value)}
+
+
 def row_sum(terms: Iterable[tuple[Exact, Mapping[int, Exact]]], rounding: float = 0.0) -> Row:
     """Sum of factor * row. An entry below `rounding` times the sizes of its terms is 0: what floats, taken at their binary
     value, leave where they cancel (three times 120 degrees, in factors that are cosines, close the circle)."""
     terms = list(terms)
+    if len(terms) == 1:  # nothing cancels
+        return scaled(terms[0][1], terms[0][0])
     total: Row = {}
     for factor, row in terms:
         add_row(total, row, factor)
@@ -66,6 +76,14 @@ def row_sum(terms: Iterable[tuple[Exact, Mapping[int, Exact]]], rounding: float 
             if key in sizes:
                 sizes[key] += abs(float(factor) * float(c))
     return {key: c for key, c in total.items() if abs(float(c)) > rounding * sizes[key]}
+
+
+def solved(form: Combination, pivot: int) -> Combination:
+    """What an unknown is where the row `form` is 0."""
+    factor = over(-1, form.groups[pivot])
+    groups = scaled(form.groups, factor)
+    del groups[pivot]
+    return Combination(groups, scaled(form.coordinates, factor), scaled(form.offsets, factor))
 
 
 class Elimination:
@@ -82,14 +100,13 @@ class Elimination:
     def solve(self, form: Combination, pivot: int) -> None:
         """Makes an unknown of the row `form` = 0 its pivot. form: a reduced row, or a row whose unknowns stand in no
         definition together, directly or through others (else definitions could name each other in a circle)."""
-        definition = Combination()
-        definition.add(form, over(-1, form.groups[pivot]))
-        del definition.groups[pivot]
-        self.definitions[pivot] = definition
-        self._gains[pivot] = dict(definition.groups)
+        self.definitions[pivot] = definition = solved(form, pivot)
+        self._gains[pivot] = definition.groups
 
     def left(self, row: Mapping[int, Exact]) -> Row:
         """A row over the unknowns that are no pivots, without what is carried along; empty: it says nothing new."""
+        if self.definitions.keys().isdisjoint(row):
+            return {x: c for x, c in row.items() if c}
         return row_sum(((c, self.gains(x)) for x, c in row.items()), self.rounding)
 
     def gains(self, unknown: int) -> Row:

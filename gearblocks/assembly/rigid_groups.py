@@ -230,8 +230,8 @@ def _given_starts(assembly: Assembly, laws: list[Law]) -> dict[int, str]:
     """Roots of groups for which a component gives a start angle or speed."""
     found: dict[int, str] = {}
     for c, law in zip(assembly.train.components, laws, strict=True):
-        for place, _ in bodies_of(c, law):
-            if any(given_start(c.block, of) is not None for of in (ANGLE, SPEED)):
+        if law.bodies and any(given_start(c.block, of) is not None for of in (ANGLE, SPEED)):
+            for place, _ in bodies_of(c, law):
                 found.setdefault(assembly.groups.find(c.nodes[place])[0], c.path)
     return found
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cache
+from itertools import count, groupby, repeat
 from typing import TypeAlias
 
 from gearblocks.assembly.assemble import GROUND_GROUP
@@ -109,12 +110,10 @@ def _parameters(lay: Layout) -> None:
                 column.append((owner, spec))
         for path, entries in columns.items():
             lay.own[b, path] = len(lay.parameters)
-            infos: dict[tuple[int, bool], ParameterInfo] = {}
-            for owner, spec in entries:
-                sort = id(spec), owner.slides
-                if sort not in infos:
-                    infos[sort] = _info(field_along(spec, owner.slides), tunable=True)
-                _add(lay, f"{owner.path}.{path}", infos[sort])
+            for (_, slides), alike in groupby(entries, key=lambda entry: (id(entry[1]), entry[0].slides)):
+                some = list(alike)
+                info = _info(field_along(some[0][1], slides), tunable=True)
+                _add_all(lay, [f"{owner.path}.{path}" for owner, _ in some], info)
     for kind in dict.fromkeys(train.kinds):
         for leaf in kind.leaves:
             if isinstance(leaf, Parameter):
@@ -183,6 +182,12 @@ def _info(spec: Field, *, tunable: bool, start: str = "", given_in: str = "") ->
     return ParameterInfo(
         "", spec.unit, spec.words, lower, upper, tunable, start, open_lower, open_upper, given_in, spec.why
     )
+
+
+def _add_all(lay: Layout, paths: list[str], info: ParameterInfo) -> None:
+    """Gives alike numbers their offsets."""
+    lay.path_of.update(zip(paths, count(len(lay.parameters)), strict=False))
+    lay.parameters += map(ParameterInfo._make, zip(paths, *map(repeat, info[1:]), strict=False))
 
 
 def _add(lay: Layout, path: str, info: ParameterInfo) -> int:

@@ -131,7 +131,7 @@ def dependent_starts(g: Generator) -> Iterator[DependentStart]:
     """Start values of bodies on dependent shafts, by rigid constraints."""
     a, lay = g.assembly, g.lay
     expanded = expand_rows(a)
-    for code in g.codes:
+    for code in g.codes if expanded else ():
         for flange in shown_bodies(code):
             groups, gains = code.batch.groups[flange], code.batch.gains[flange]
             for c, group, gain in zip(code.components, groups, gains, strict=True):
@@ -174,7 +174,7 @@ def lossy_starts(g: Generator) -> Iterator[DependentStart]:
 def prescribed_starts(g: Generator) -> Iterator[PrescribedStart]:
     """Start values of bodies on shafts with prescribed motion, or whose speed or angle a balance of torques gives."""
     causes = _causes(g)
-    for code in g.codes:
+    for code in g.codes if causes else ():
         for flange in shown_bodies(code):
             for c, group in zip(code.components, code.batch.groups[flange], strict=True):
                 found = causes.get(group, {})

@@ -5,6 +5,7 @@ Plain frozen values that can be stored and printed. Reading a stored program nee
 
 from __future__ import annotations
 
+import io
 import pickle
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -337,33 +338,38 @@ class Program:
     def to_bytes(self) -> bytes:
         """The program as bytes; its tables go column by column and one by one, which takes less time and memory for long
         trains."""
-        parts = {f.name: getattr(self, f.name) for f in fields(self)}
-        return pickle.dumps({
-            name: pickle.dumps(_columns(value) if isinstance(value, tuple) else value, protocol=5)
-            for name, value in parts.items()
-        })  # fmt: skip
+        stream = io.BytesIO()
+        for part in fields(self):
+            value = getattr(self, part.name)
+            if isinstance(value, tuple):
+                kind = type(value[0]) if value else None
+                pickle.dump(_Table(kind, len(value[0]) if value else 0), stream, protocol=5)
+                for i in range(len(value[0]) if value else 0):
+                    pickle.dump([row[i] for row in value], stream, protocol=5)
+            else:
+                pickle.dump(value, stream, protocol=5)
+        return stream.getvalue()
 
     @staticmethod
     def from_bytes(data: bytes) -> Program:
         """The program that `to_bytes` made. Only for bytes that are known to come from there."""
-        values = {name: pickle.loads(part) for name, part in pickle.loads(data).items()}
-        fields_: Any = {k: _rows(v) if isinstance(v, _Columns) else v for k, v in values.items()}
-        return Program(**fields_)
+        stream = io.BytesIO(data)
+        values: Any = {}
+        for part in fields(Program):
+            value = pickle.load(stream)
+            values[part.name] = value.rows(stream) if isinstance(value, _Table) else value
+        return Program(**values)
 
 
-class _Columns(NamedTuple):
-    """A tuple of equal rows, turned over."""
+class _Table(NamedTuple):
+    """What stands before the columns of a tuple of equal rows: their class and how many numbers each has."""
 
     kind: type | None
-    columns: tuple[tuple[Any, ...], ...]
+    width: int
 
-
-def _columns(rows: tuple[Any, ...]) -> _Columns:
-    return _Columns(type(rows[0]) if rows else None, tuple(zip(*rows, strict=True)))
-
-
-def _rows(table: _Columns) -> tuple[Any, ...]:
-    if table.kind is None:
-        return ()
-    rows = zip(*table.columns, strict=True)
-    return tuple(rows) if table.kind is tuple else tuple(map(table.kind._make, rows))  # type: ignore[attr-defined]
+    def rows(self, stream: io.BytesIO) -> tuple[Any, ...]:
+        """The rows whose columns follow."""
+        if self.kind is None:
+            return ()
+        rows = zip(*[pickle.load(stream) for _ in range(self.width)], strict=True)
+        return tuple(rows) if self.kind is tuple else tuple(map(self.kind._make, rows))  # type: ignore[attr-defined]

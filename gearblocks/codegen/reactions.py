@@ -10,9 +10,8 @@ time: the numbers are gains of node torques, or indices of gains that the progra
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from gearblocks.assembly.elimination import Combination, Elimination, Row, add_row, row_sum
 from gearblocks.codegen.function import texts_of
@@ -23,8 +22,7 @@ if TYPE_CHECKING:
     from gearblocks.codegen.generator import Generator
 
 
-@dataclass(frozen=True, slots=True)
-class Reaction:
+class Reaction(NamedTuple):
     """A constraint with one unknown lambda: c by node. gain_index: nodes whose coefficient is multiplied by a gain.
 
     pivot: the only node at which a constraint with gain_index can be solved, else None.
@@ -55,8 +53,10 @@ def reaction_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) ->
     phases = _phases(g.assembly.train.n_nodes, reactions, [] if curved else spare)
     tables: dict[str, Any] = {"phase": [0], "lambda_start": [0], "lambda_node": [], "lambda_value": []}
     tables |= {"effect_start": [0], "effect_node": [], "effect_flange": [], "effect_gain": [], "effect_value": []}
+    tables["coupled"] = False
     for phase in phases:
         for reaction, forms in phase:
+            tables["coupled"] |= len(phase) > 1 or len(forms) != 1
             tables["lambda_node"] += forms
             tables["lambda_value"] += forms.values()
             tables["lambda_start"].append(len(tables["lambda_node"]))
@@ -67,9 +67,6 @@ def reaction_tables(g: Generator, flange_of: Mapping[str, Mapping[int, int]]) ->
             tables["effect_value"] += nodes.values()
             tables["effect_start"].append(len(tables["effect_node"]))
         tables["phase"].append(len(tables["lambda_start"]) - 1)
-    tables["coupled"] = len(tables["phase"]) < len(tables["lambda_start"]) or any(
-        len(forms) != 1 for phase in phases for _, forms in phase
-    )
     for name in ("lambda_value", "effect_value"):
         tables[name] = texts_of(tables[name])
     return tables
@@ -104,44 +101,44 @@ def _reactions(g: Generator) -> list[Reaction]:
 
 def _phases(
     n_nodes: int, reactions: list[Reaction], spare: list[Reaction]
-) -> list[list[tuple[Reaction, dict[int, Exact]]]]:  # fmt: skip
+) -> Iterator[list[tuple[Reaction, dict[int, Exact]]]]:  # fmt: skip
     """Constraints in an order in which each follows from a node where all others are known; those that are coupled, together.
 
     spare: redundant constraints.
     """
     independent, reactions = len(reactions), reactions + spare
-    at: list[set[int]] = [set() for _ in range(n_nodes)]
+    left, names = [0] * n_nodes, [0] * n_nodes  # unsolved constraints of a node: how many, and the sum of their numbers
     for k, reaction in enumerate(reactions):
         for node in reaction.coefficients:
-            at[node].add(k)
-    phases: list[list[tuple[Reaction, dict[int, Exact]]]] = []
+            left[node] += 1
+            names[node] += k
     unsolved = dict.fromkeys(range(len(reactions)))
-    ready = [node for node in range(n_nodes) if len(at[node]) == 1]
+    ready = [node for node in range(n_nodes) if left[node] == 1]
 
     def settle(k: int) -> None:
         del unsolved[k]
         for node in reactions[k].coefficients:
-            at[node].discard(k)
-            if len(at[node]) == 1:
+            left[node] -= 1
+            names[node] -= k
+            if left[node] == 1:
                 ready.append(node)
 
     while unsolved:
         while ready:
             node = ready.pop()
-            if len(at[node]) != 1:
+            if left[node] != 1:
                 continue
-            (k,) = at[node]
+            k = names[node]
             if reactions[k].pivot not in (None, node):
                 continue
-            phases.append([(_scaled(reactions[k], node), {node: -1})])
+            yield [(_scaled(reactions[k], node), {node: -1})]
             settle(k)
         if unsolved:
             block = list(unsolved)
             used = [reactions[k] for k in block if k < independent]
-            phases.append(_coupled(used, [reactions[k] for k in block if k >= independent]))
+            yield _coupled(used, [reactions[k] for k in block if k >= independent])
             for k in block:
                 settle(k)
-    return phases
 
 
 def _scaled(reaction: Reaction, node: int) -> Reaction:

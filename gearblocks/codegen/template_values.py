@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -32,9 +33,9 @@ class Sparse:
     """Rows of a sparse matrix as C arrays: start of each row, columns and values."""
 
     name: str
-    start: list[int]
-    index: list[int]
-    value: list[str]
+    start: Sequence[int]
+    index: Sequence[int]
+    value: Sequence[str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,13 +69,12 @@ class WrappedAngle:
 
 def sparse(name: str, rows: Sequence[Mapping[int, Exact]] | Sequence[Mapping[int, float]]) -> Sparse:
     """Rows of exact numbers, sorted by column."""
-    start, index = [0], []
+    start, index = array("q", accumulate(map(len, rows), initial=0)), array("q")
     value: list[Any] = []
     for row in rows:
-        for column in sorted(row):
-            index.append(column)
-            value.append(row[column])
-        start.append(len(index))
+        by_column: Mapping[int, Any] = dict(sorted(row.items())) if len(row) > 1 else row
+        index.extend(by_column)
+        value += by_column.values()
     return Sparse(name, start, index or [0], texts_of(value) or ["0.0"])
 
 

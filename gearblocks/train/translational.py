@@ -37,13 +37,23 @@ class Placed(Protocol):
 def start_name(block: Block | None, of: str, slides: bool) -> str:
     """Name of the start angle or speed of a shaft among the parameters: that of the field which its block declares, else phi0
     or w0, and s0 or v0 of a slider."""
-    names = {} if block is None else start_fields(type(block))
+    return _start_name(None if block is None else type(block), of, slides)
+
+
+@cache
+def _start_name(kind: type[Block] | None, of: str, slides: bool) -> str:
+    names = {} if kind is None else start_fields(kind)
     return names[of] if of in names else f"{flange_names(slides)[of == SPEED]}0"
 
 
 def takes_start(block: Block, of: str) -> bool:
     """Whether a start value can bear the name of the block: nothing else of the block is called so."""
-    kind, name = type(block), start_name(block, of, _slides(block))
+    return _takes_start(type(block), of)
+
+
+@cache
+def _takes_start(kind: type[Block], of: str) -> bool:
+    name = _start_name(kind, of, _kind_slides(kind))
     return of in start_fields(kind) or not (name in kind.fields or name in kind.states)
 
 
