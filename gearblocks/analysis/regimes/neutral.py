@@ -25,6 +25,9 @@ _SAME = 3e-8  # of the size of the maps: what they are told to
 _SPLIT = 1e-6  # of 1: eigenvalues of neutral directions nearer to it are not split
 _STATES = 3  # at which it is looked
 _SPREAD = 0.1  # of the sizes: how far these lie apart
+_WATCHED = 100  # periods, over which motions along them stay as far apart as they begin
+_STAYS = 1e-8  # of that: 1e-10 a period
+_RTOL = 1e-12
 _RECORDS = (".impulse", ".impacts")
 _SHARE = 0.05  # of its largest entry: what of a direction has a name
 
@@ -95,6 +98,26 @@ def neutral_directions(strobe: Strobe, y: Array) -> Neutral:
         except SimulationError:  # a state that the train cannot be in
             continue
     return _without_given(strobe, maps, _neutral(strobe, maps, allowed))
+
+
+def leaves(strobe: Strobe, y: Array, periods: int, neutral: Neutral) -> str:
+    """What of a stable orbit of so many periods through y does not stay as it is along neutral directions, in words, or "":
+    a speed on it, or how far motions beside it are off it. What maps do not tell shows in a hundred periods. Raises
+    SimulationError."""
+    if not neutral.basis.shape[1]:
+        return ""
+    fine, watched = strobe.finer(min(strobe.rtol, _RTOL)), periods * -(-_WATCHED // periods)
+    here = fine.follow(y, watched).states[-1]
+    is_speed = np.array([q.kind == "speed" for q in strobe.model.program.states])
+    if np.abs(strobe.off(here, y)[is_speed]).max(initial=0.0) > _STAYS:
+        return "a speed goes on growing or falling"
+    for j, words in enumerate(neutral.words[: neutral.basis.shape[1]]):
+        step = _SPREAD * neutral.basis[:, j]
+        off = strobe.off(fine.follow(fine.moved(y, step), watched).states[-1], here) - step
+        told = is_speed if np.abs(step[is_speed]).max(initial=0.0) > _SPLIT else np.ones(strobe.n, dtype=bool)  # shear
+        if np.abs(off[told]).max(initial=0.0) > _STAYS * _SPREAD:
+            return f"motions beside it, along the {words}, come nearer or go away"
+    return ""
 
 
 def without_records(strobe: Strobe, y: Array, neutral: Neutral) -> Neutral:

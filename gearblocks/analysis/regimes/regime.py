@@ -23,13 +23,14 @@ from numpy.typing import NDArray
 
 from gearblocks.analysis.regimes.drives import DRIVES, begun_at, drives
 from gearblocks.analysis.regimes.exponents import LyapunovExponents, longer, told_exponents
-from gearblocks.analysis.regimes.neutral import Neutral, neutral_directions
+from gearblocks.analysis.regimes.neutral import Neutral, leaves, neutral_directions
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.second_frequency import second_frequency
 from gearblocks.analysis.regimes.settling import Nearing, leaving, misses, nearing
 from gearblocks.analysis.regimes.sizes import sized
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import GrowthError, Strobe, strobe
+from gearblocks.analysis.regimes.whole_turns import goes_on, in_turns
 from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
@@ -180,6 +181,10 @@ class Asked:
         seen = sized(seen, points[-1], after)
         seen, points = begun_at(seen, points[-1], after - after % max(1, acts.periods)), seen.near(points)
         neutral = neutral_directions(seen, points[-1])
+        if words := goes_on(seen, points, neutral):
+            return Regime(
+                "unresolved", (words, "differences beside it are told near 0 alone: give a shorter transient")
+            )
         asked = seen, points, neutral, acts.periods, after
         return self._periodic(*asked) or self._other(*asked)
 
@@ -192,10 +197,12 @@ class Asked:
         if found is None:
             return None
         orbit = found.orbit
-        finer = shoot(seen.finer(max(seen.rtol / 100, 1e-13)), orbit.points[0], orbit.periods, neutral)
-        words = _nearing_words(found, neutral)
+        finer = shoot(seen.finer(max(seen.rtol / 100, 1e-13)), orbit.points[0], orbit.periods, found.neutral)
+        words = _nearing_words(found)
         if finer is None or not finer.stable or not _same(orbit, finer):
             return Regime("unresolved", (f"period {orbit.periods} at rtol {seen.rtol:g} alone", *words), orbit=orbit)
+        if left := leaves(seen, finer.points[0], finer.periods, found.neutral):
+            return Regime("unresolved", (left, *words), orbit=orbit)
         return Regime(f"period {orbit.periods}", words, orbit.periods, finer)
 
     def _other(self, seen: Strobe, points: Array, neutral: Neutral, drives: int, after: int) -> Regime:
@@ -305,8 +312,8 @@ def _same(one: PeriodicOrbit, other: PeriodicOrbit) -> bool:
     return one.periods == other.periods and bool(abs(largest[0] - largest[1]) <= _SAME_MULTIPLIERS)
 
 
-def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:
-    orbit = found.orbit
+def _nearing_words(found: Nearing) -> tuple[str, ...]:
+    orbit, neutral = found.orbit, found.neutral
     largest = f"{abs(orbit.multipliers[0]):.6g}" if len(orbit.multipliers) else "none"
     nears = f"the motion is {found.after:.1e} of its size off it"
     if found.periods:
@@ -314,7 +321,8 @@ def _nearing_words(found: Nearing, neutral: Neutral) -> tuple[str, ...]:
         nears = f"the motion comes nearer as they say: {sizes}"
     closes = f"shooting finds an orbit of least period {orbit.periods} that closes to {orbit.closure:.1e}"
     aside = f"; {', '.join(neutral.words)}: neutral, multiplier 1" if neutral.words else ""
-    return (f"{closes}, with the largest multiplier {largest}{aside}{_ahead_words(orbit)}", nears)
+    words = f"{closes}, with the largest multiplier {largest}{aside}{_ahead_words(orbit)}", nears
+    return (*words, found.family) if found.family else words
 
 
 def _left(found: Nearing, last: LyapunovExponents) -> Regime:
@@ -332,8 +340,10 @@ def _left(found: Nearing, last: LyapunovExponents) -> Regime:
 
 def _ahead_words(orbit: PeriodicOrbit) -> str:
     """By how many turns it goes on."""
-    moved = np.flatnonzero(orbit.ahead)
-    parts = [f"{orbit.names[j].rsplit('.', 1)[0]} by {orbit.ahead[j] / (2 * np.pi):+.6g}" for j in moved]
+    parts = [
+        f"{orbit.names[j].rsplit('.', 1)[0]} by {orbit.ahead[j] / in_turns(orbit.turns[j]):+.6g}"
+        for j in np.flatnonzero(orbit.ahead)
+    ]
     return f"; it goes on by turns: {', '.join(parts)}" if parts else ""
 
 

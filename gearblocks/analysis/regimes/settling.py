@@ -8,12 +8,13 @@ Knows nothing of chaos.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from gearblocks.analysis.regimes.families import family
 from gearblocks.analysis.regimes.neutral import Neutral, scaled, unclosed
 from gearblocks.analysis.regimes.orbit import PeriodicOrbit, shoot
 from gearblocks.analysis.regimes.strobe import Strobe
@@ -38,12 +39,15 @@ _MARGINAL = 1e-9  # multipliers nearer to the unit circle decide nothing
 @final
 @dataclass(frozen=True, slots=True, eq=False)
 class Nearing:
-    """An orbit and how the motion nears it: distances in units of the sizes before and after so many periods."""
+    """An orbit and how the motion nears it: distances in units of the sizes before and after so many periods. neutral: with
+    the directions of the family that it belongs to, if it does, which `family` describes."""
 
     orbit: PeriodicOrbit
+    neutral: Neutral
     before: float
     after: float
     periods: int
+    family: str = ""
 
 
 def misses(points: Array, seen: Strobe, neutral: Neutral, longest: int) -> Array:
@@ -66,18 +70,36 @@ def nearing(seen: Strobe, points: Array, neutral: Neutral, base: int, longest: i
     off = misses(points, seen, neutral, longest)
     proposed = [m for m in range(base, longest + 1, base) if off[m - 1] <= _NEAR]
     best = sorted(proposed, key=lambda m: off[m - 1])[:_CANDIDATES]
+    watched: list[int] = []  # periods at which orbits side by side were looked for
     for m in sorted(best):
         # where points repeat an orbit is there: beside corners Newton's method may come to another one, from some of them
         phases = range(0, m, max(base, m // _PHASES // base * base)) if off[m - 1] <= _REPEATS else range(1)
         for phase in phases:
             start = points[-1 - back - phase] if back + phase < len(points) else y
             orbit = shoot(seen, start, m, neutral, base)
-            if orbit is None or not orbit.stable or abs(orbit.multipliers[:1]).max(initial=0.0) > 1.0 - _MARGINAL:
-                continue
-            found = _nears(seen, y, orbit, neutral)
+            found = None
+            if orbit is not None and orbit.stable and abs(orbit.multipliers[:1]).max(initial=0.0) <= 1.0 - _MARGINAL:
+                found = _nears(seen, y, orbit, neutral)
+            elif off[m - 1] <= _REPEATS and not any(m % other == 0 for other in watched):
+                least = next(k for k in range(base, m + 1, base) if m % k == 0 and off[k - 1] <= _REPEATS)
+                watched.append(least)
+                found = _nears_family(seen, y, least, neutral, base)
             if found is not None:
                 return found
     return None
+
+
+def _nears_family(seen: Strobe, y: Array, m: int, neutral: Neutral, base: int) -> Nearing | None:
+    """The same where orbits lie side by side, and the motion comes to one of them."""
+    orbit = shoot(seen, y, m, neutral, m)  # divisors of its period are tried beside the others
+    one = None if orbit is None else family(seen, orbit, neutral, base)
+    if orbit is None or one is None:
+        return None
+    beside = shoot(seen, orbit.points[0], orbit.periods, one.neutral, base)
+    if beside is None or not beside.stable or beside.periods != orbit.periods:
+        return None
+    found = _nears(seen, y, beside, one.neutral)
+    return None if found is None else replace(found, family=one.words)
 
 
 def leaving(seen: Strobe, points: Array, neutral: Neutral, m: int, base: int, after: int) -> Nearing | None:
@@ -90,7 +112,7 @@ def leaving(seen: Strobe, points: Array, neutral: Neutral, m: int, base: int, af
     target = _at_phase(seen, y, orbit, neutral)
     before = _distance(seen, neutral, y, target)
     if before <= max(_STANDS, 100 * orbit.closure):
-        return Nearing(orbit, before, before, 0)
+        return Nearing(orbit, neutral, before, before, 0)
     periods = orbit.periods * max(1, _AWAY // orbit.periods)
     with np.errstate(over="ignore", invalid="ignore"):
         expected = _expected(seen, orbit, neutral, y, target, periods)
@@ -100,7 +122,7 @@ def leaving(seen: Strobe, points: Array, neutral: Neutral, m: int, base: int, af
     left = neutral.apart(seen.off(seen.follow(y, periods).states[-1], target))
     if np.abs(left - expected).max() > _AS_SAID * grown * before:
         return None
-    return Nearing(orbit, before, float(np.abs(left).max()), periods)
+    return Nearing(orbit, neutral, before, float(np.abs(left).max()), periods)
 
 
 def _nears(seen: Strobe, y: Array, orbit: PeriodicOrbit, neutral: Neutral) -> Nearing | None:
@@ -111,13 +133,13 @@ def _nears(seen: Strobe, y: Array, orbit: PeriodicOrbit, neutral: Neutral) -> Ne
         target = _at_phase(seen, y, orbit, neutral)
         before = _distance(seen, neutral, y, target)
         if before <= floor:
-            return Nearing(orbit, before, before, 0)
+            return Nearing(orbit, neutral, before, before, 0)
         run = seen.follow(y, periods)
         expected = _expected(seen, orbit, neutral, y, target, periods)
         left = neutral.apart(seen.off(run.states[-1], target))
         after = float(np.abs(left).max(initial=0.0))
         if after <= floor or np.abs(left - expected).max() <= _AS_SAID * np.abs(expected).max() + floor:
-            return Nearing(orbit, before, after, periods)
+            return Nearing(orbit, neutral, before, after, periods)
         y, periods = run.states[-1], periods * _LONGER
     return None
 

@@ -12,7 +12,7 @@ import gearblocks as gb
 SECTION = gb.stroboscopic("drive")
 
 
-def _train(*behind: tuple[str, gb.Block], mean: float, swing: float = 1.0) -> gb.Drivetrain:
+def _train(*behind: tuple[str, gb.Block], mean: Any, swing: float = 1.0) -> gb.Drivetrain:
     """A disc under mean + swing cos(drive t), and what is behind it."""
     rig, drive = gb.Drivetrain("drift"), gb.Parameter("drive", 1.0, "rad/s")
     source = rig.add("source", gb.Torque(tau=mean + swing * gb.cos(drive * gb.time)))
@@ -71,3 +71,35 @@ def test_a_free_disc_repeats_where_its_speed_does(mean: float, label: str) -> No
     rig = _train(("spring", gb.Shaft(k=2.0, c=0.3)), ("ground", gb.Fixed()), mean=0.0)
     rig.chain(rig.add("push", gb.Torque(tau=mean + 0.1 * gb.sense("disc.w"))), rig.add("free", gb.Inertia(J=1.0)))
     assert gb.classify(rig, SECTION).label == label
+
+
+@pytest.mark.parametrize(
+    ("rate", "mean", "label"), [(0.0, 0.0, "period 1"), (1e-9, 0.0, "unresolved"), (0.0, 1e-10, "unresolved")]
+)
+def test_a_free_disc_that_grows_faster_by_less_than_a_map_tells_has_no_period(
+    rate: float, mean: float, label: str
+) -> None:
+    # w' = mean + cos t + rate w, beside a disc that swings
+    rig = _train(("spring", gb.Shaft(k=2.0, c=0.3)), ("ground", gb.Fixed()), mean=0.0)
+    push = gb.Torque(tau=mean + gb.cos(gb.time) + rate * gb.sense("free.w"))
+    rig.chain(rig.add("push", push), rig.add("free", gb.Inertia(J=1.0, w0=1.0)))
+    found = gb.classify(rig, SECTION)
+    assert found.label == label, found.evidence
+
+
+@pytest.mark.parametrize(("k", "label"), [(-1e-9, "unresolved"), (-1e-10, "unresolved"), (1e-6, "period 1")])
+def test_an_angle_that_creeps_is_no_free_one(k: float, label: str) -> None:
+    # x'' + x' + k x = cos t from x = 1: e^(-k t)
+    rig = _train(("damper", gb.Damper(c=1.0)), ("ground", gb.Fixed()), mean=-k * gb.sense("disc.phi"))
+    found = gb.classify(rig, SECTION, initial={"disc.phi": 1.0})
+    assert found.label == label, found.evidence
+
+
+@pytest.mark.parametrize(("off", "label"), [(0.0, "period 1"), (1e-10, "unresolved"), (1e-9, "unresolved")])
+def test_an_undamped_disc_beside_the_section_s_frequency_does_not_repeat(off: float, label: str) -> None:
+    # x'' + 4 (1 + off) x = cos t beside a damped disc: its own swing is a second frequency
+    rig = _train(("spring", gb.Shaft(k=2.0, c=0.3)), ("ground", gb.Fixed()), mean=0.0)
+    push = gb.Torque(tau=gb.cos(gb.time) - 4 * (1 + off) * gb.sense("other.phi"))
+    rig.chain(rig.add("push", push), rig.add("other", gb.Inertia(J=1.0, phi0=1.0)))
+    found = gb.classify(rig, SECTION)
+    assert found.label == label, found.evidence

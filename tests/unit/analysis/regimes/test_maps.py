@@ -68,6 +68,8 @@ def _known(law: str, r: float) -> tuple[int | None, float]:
     ("law", "r", "label"),
     [
         ("logistic", 2.8, "period 1"),  # where it is set to what it is
+        ("logistic", 2.999, "period 1"),  # next to its doubling: multiplier 2 - r
+        ("logistic", 3.001, "period 2"),
         ("logistic", 3.2, "period 2"),
         ("logistic", 3.55, "period 8"),
         ("logistic", 3.83, "period 3"),  # the window that begins at 1 + sqrt(8) = 3.82843

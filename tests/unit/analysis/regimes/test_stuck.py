@@ -1,0 +1,58 @@
+"""Derivatives beside what friction holds from the begin of a run on."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import gearblocks as gb
+from gearblocks.analysis.regimes.strobe import Strobe, strobe
+
+SECTION = gb.stroboscopic("drive")
+
+
+def _seen(*, lock: bool) -> tuple[Strobe, np.ndarray]:
+    """Two discs that friction or a freewheel holds together for good, the one three times as heavy, and their states."""
+    rig, drive = gb.Drivetrain("held"), gb.Parameter("drive", 1.0, "rad/s")
+    coupling = gb.Freewheel() if lock else gb.Clutch(capacity=5.0)
+    rig.chain(
+        rig.add("source", gb.Torque(tau=2.0 + 0.5 * gb.cos(drive * gb.time))), rig.add("one", gb.Inertia(J=1.0, w0=1.0)),
+        rig.add("coupling", coupling), rig.add("two", gb.Inertia(J=3.0)), rig.add("damper", gb.Damper(c=0.5)),
+        rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    seen = strobe(gb.build(rig), SECTION, None, None, 1e-12)
+    return seen, seen.follow(seen.start(None), 5).states[-1]
+
+
+@pytest.mark.parametrize("lock", [False, True])
+def test_a_slip_beside_what_sticks_is_taken_away_by_the_impulse_of_friction(lock: bool) -> None:
+    seen, y = _seen(lock=lock)
+    names = [q.name for q in seen.model.program.states]
+    one, two = names.index("one.w"), names.index("two.w")
+    assert y[one] == pytest.approx(y[two], abs=1e-12)
+    found = seen.map(y, 1).maps[-1]
+    left = np.exp(-0.5 / 4 * 2 * np.pi)  # of the speed of both together, which keep their momentum
+    assert found[np.ix_([one, two], [one, two])] == pytest.approx(np.outer([left] * 2, [0.25, 0.75]), abs=1e-9)
+    step = 1e-6
+    for j in (one, two):
+        # forward: the freewheel lets what is behind it run ahead, friction either
+        beside = seen.follow(y + step * (np.arange(seen.n) == (two if lock else j)), 1).states[-1]
+        there = (beside - seen.follow(y, 1).states[-1]) / step
+        assert there == pytest.approx(found[:, two if lock else j], abs=1e-4)
+
+
+def test_a_stuck_disc_has_no_multiplier_beside_those_of_where_it_sticks() -> None:
+    rig, drive = gb.Drivetrain("stuck"), gb.Parameter("drive", 1.0, "rad/s")
+    disc = rig.add("disc", gb.Inertia(J=1.0, w0=3.0))
+    rig.chain(
+        rig.add("source", gb.Torque(tau=0.5 * gb.cos(drive * gb.time))), disc, rig.add("spring", gb.Shaft(k=1.0)),
+        rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    rig.connect(rig.add("brake", gb.Brake(capacity=2.0)).a, disc.b)
+    seen = strobe(gb.build(rig), SECTION, None, None, 1e-9)
+    found = seen.map(seen.follow(seen.start(None), 10).states[-1], 1).maps[-1]
+    assert found == pytest.approx(np.diag([1.0, 1.0, 0.0]), abs=1e-12)
+    orbit = gb.periodic_orbit(rig, SECTION)
+    assert np.abs(orbit.multipliers) == pytest.approx([1.0, 0.0], abs=1e-12) and orbit.neutral == (
+        "free angle of brake",
+    )
