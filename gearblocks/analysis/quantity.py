@@ -59,6 +59,8 @@ class Quantity:
     def of(self, run: Trajectory) -> Any:
         """Its value for a run (an array for `points`): on the solution between the samples where the run was made by
         `gb.simulate` in this process, else (a stored run) on splines through its samples."""
+        if not isinstance(run, Trajectory):
+            raise ParameterError(f"of({run!r:.80}): a quantity is asked of a run, as gb.simulate answers with")
         span = span_of_run(run)
         self.unit(span)
         with solution_of(run, run.case, self.needs(span)) as solution:

@@ -184,7 +184,7 @@ def _check_name(kind: str, name: str) -> None:
 def _row(name: str, values: Any) -> NDArray[np.float64]:
     """One axis of a table as numbers."""
     try:
-        if isinstance(values, str):
+        if isinstance(values, str) or np.iscomplexobj(values):
             raise TypeError
         return np.array(values, dtype=float)
     except (TypeError, ValueError, GearblocksError):
@@ -192,14 +192,13 @@ def _row(name: str, values: Any) -> NDArray[np.float64]:
 
 
 def points_in_si(values: Any) -> str:
-    """The way out where points of a table are given as texts: which of two units belongs to them, their table does not know."""
+    """The way out where points of a table are complex, or texts: which of two units belongs to them, it does not know."""
+    if np.iscomplexobj(values):
+        return ", which complex ones are not: take .real, .imag or abs(...)"
     texts = isinstance(values, str) or np.asarray(values, dtype=object).ravel().tolist()
-    if not any(isinstance(x, str) for x in (texts if isinstance(texts, list) else [values])):
-        return ""
-    return (
-        ", not of texts: points are in SI and radians (those of an Input in its unit): convert them before, as gb.rpm(x), "
-        "np.deg2rad(x) and 1e-6 * y do"
-    )
+    told = any(isinstance(x, str) for x in (texts if isinstance(texts, list) else [values]))
+    words = ", not of texts: points are in SI and radians (those of an Input in its unit): convert them before, as gb.rpm(x), "
+    return f"{words}np.deg2rad(x) and 1e-6 * y do" if told else ""
 
 
 def check_increasing(name: str, values: NDArray[np.float64]) -> None:

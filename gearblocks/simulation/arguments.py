@@ -65,7 +65,10 @@ def sample_times(begin: float, t_end: float | str | None, t: ArrayLike | None) -
         samples = np.ascontiguousarray(t, dtype=np.float64)
     except (TypeError, ValueError, ParameterError):
         raise ParameterError(f"t = {t!r:.80} must be a row of numbers") from None
-    if samples.ndim != 1 or len(samples) == 0 or not np.isfinite(samples).all():
+    if samples.ndim == 1 and not np.isfinite(samples).all():
+        i = int(np.argmin(np.isfinite(samples)))
+        raise ParameterError(f"t[{i}] = {samples[i]} must be a finite time; leave it out")
+    if samples.ndim != 1 or len(samples) == 0:
         raise ParameterError(f"t must be a row of finite times, not an array of shape {samples.shape}")
     if samples[0] < begin:
         raise ParameterError(
