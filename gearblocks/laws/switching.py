@@ -168,7 +168,7 @@ class Freezer:
             values = [self._extremum(values[:half], largest), self._extremum(values[half:], largest)]
         result = values[0]
         for x in values[1:]:
-            above = self._indicator(x - result) if largest else 1 - self._indicator(x - result)
+            above = self._beyond(x, result, largest)
             if self._may_have_no_value(x) or self._may_have_no_value(result):
                 result = self._where(1 - above, result) + self._where(above, x)
             elif self._size(result) > _LONG:
@@ -176,6 +176,14 @@ class Freezer:
             else:
                 result = result + above * (x - result)
         return result
+
+    def _beyond(self, x: Any, result: Any, largest: bool) -> Any:
+        """1 where x counts, not the result so far. Where neither is more, as at a pole of one of them, the one that has a
+        value counts."""
+        more, less = (x, result) if largest else (result, x)
+        lacks, x_lacks = (self._may_have_no_value(e) for e in (result, x))
+        x_at_equality = lacks if lacks != x_lacks else largest
+        return self._indicator(more - less) if x_at_equality else 1 - self._indicator(less - more)
 
     def _stays(self, e: Any) -> bool:
         """Whether the largest of so many is no condition to be taken apart: of what does not move, without tables."""
