@@ -193,12 +193,11 @@ def _row(name: str, values: Any) -> NDArray[np.float64]:
 
 def points_in_si(values: Any) -> str:
     """The way out where points of a table are complex, or texts: which of two units belongs to them, it does not know."""
-    if np.iscomplexobj(values):
+    points = [values] if isinstance(values, str) else np.asarray(values, dtype=object).ravel().tolist()
+    if any(isinstance(x, complex) for x in points):
         return ", which complex ones are not: take .real, .imag or abs(...)"
-    texts = isinstance(values, str) or np.asarray(values, dtype=object).ravel().tolist()
-    told = any(isinstance(x, str) for x in (texts if isinstance(texts, list) else [values]))
     words = ", not of texts: points are in SI and radians (those of an Input in its unit): convert them before, as gb.rpm(x), "
-    return f"{words}np.deg2rad(x) and 1e-6 * y do" if told else ""
+    return f"{words}np.deg2rad(x) and 1e-6 * y do" if any(isinstance(x, str) for x in points) else ""
 
 
 def check_increasing(name: str, values: NDArray[np.float64]) -> None:
