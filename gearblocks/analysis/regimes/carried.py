@@ -135,7 +135,7 @@ def rising(values: Any, info: ParameterInfo) -> Array:
         unit = info.given_in or info.unit
         raise ParameterError(f"values = {values!r:.80} must be numbers in {unit}, or texts with their unit") from None
     if asked.ndim != 1 or not len(asked) or not np.isfinite(asked).all() or (np.diff(asked) <= 0).any():
-        raise ParameterError(f"values = {values!r:.80} must be numbers, one or more, that are finite and increase")
+        raise ParameterError(f"values = {values!r:.80} must be finite and increase, one number or more")
     return asked
 
 

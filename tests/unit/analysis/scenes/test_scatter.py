@@ -74,7 +74,7 @@ def test_where_a_train_alike_scatters_it_is_asked_at_no_finer_tolerance(
 
 
 def test_two_runs_are_a_mean_where_those_of_a_train_alike_hardly_scatter(hammer_scene: gb.Scene) -> None:
-    bench, within = bench_of(hammer_scene), 5.0
+    bench, within = bench_of(hammer_scene), 20.0  # two runs of a chaotic motion tell little: 12.7 standard errors
     alike = estimate(bench, within, Effort())
     found = estimate(bench, within, Effort(), alike)
     assert len(alike.members) == 4 and len(found.members) == 2 and found.runs == 3
