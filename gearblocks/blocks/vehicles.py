@@ -33,10 +33,8 @@ GRADE: Any = signal(
     why=": it is an angle in rad",
 )  # fmt: skip
 
-_LIFTED, _APART = (
-    1e-9,
-    1e-15,
-)  # of the stiffness: the largest force up to which a tyre is in the air; what saves it from 0/0
+_LIFTED = 1e-9  # of the stiffness: a tyre is in the air up to so small a force
+_APART = 1e-15  # of the stiffness, beside the largest force: keeps 0/0 away
 _NO_SLIP = ": a wheel without it has no slip; leave the tyre out"
 
 
@@ -320,9 +318,8 @@ def _grip(s: Any, tyre: Any, wheel: Any, v: Any, normal: Any, *, lifts: bool = F
         force = most * sp.sin(tyre.shape * sp.atan(tyre.stiffness * slip / (tyre.shape * most)))
     else:
         bears = most > _LIFTED * tyre.stiffness
-        divisor = sp.Piecewise(
-            (most + _APART * tyre.stiffness, bears), (tyre.stiffness, True)
-        )  # in the air a number that stays
+        # in the air a number that stays
+        divisor = sp.Piecewise((most + _APART * tyre.stiffness, bears), (tyre.stiffness, True))
         angle = sp.atan(tyre.stiffness * slip / (tyre.shape * divisor))
         force = sp.Piecewise((most * sp.sin(tyre.shape * angle), bears), (0, True))
     return s.named("F", force, "force of the road on the tyres", "N"), slip

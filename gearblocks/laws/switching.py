@@ -31,6 +31,8 @@ _IN_A_ROW = 16
 _COMPARED, _LONG = 4, 100
 """Values that are compared one after the other, and nodes of an expression that stands twice in what is made of it."""
 
+_NEXT_TO_NOTHING = sp.Float(1e-300)
+"""Beside a divisor that is 0: the side of the quotient is then that of n/(+0.0), as a run begins at rest; else no bit of it."""
 _WITHOUT_VALUES = (sp.log, sp.exp, sp.tan, sp.asin, sp.acos, sp.acosh, sp.atanh, sp.sinh, sp.cosh, InverseInvolute)
 """Functions that have no value for some arguments, or one that is no longer a number."""
 
@@ -168,7 +170,7 @@ class Freezer:
             values = [self._extremum(values[:half], largest), self._extremum(values[half:], largest)]
         result = values[0]
         for x in values[1:]:
-            above = self._beyond(x, result, largest)
+            above = self._indicator(x - result) if largest else 1 - self._indicator(x - result)
             if self._may_have_no_value(x) or self._may_have_no_value(result):
                 result = self._where(1 - above, result) + self._where(above, x)
             elif self._size(result) > _LONG:
@@ -176,14 +178,6 @@ class Freezer:
             else:
                 result = result + above * (x - result)
         return result
-
-    def _beyond(self, x: Any, result: Any, largest: bool) -> Any:
-        """1 where x counts, not the result so far. Where neither is more, as at a pole of one of them, the one that has a
-        value counts."""
-        more, less = (x, result) if largest else (result, x)
-        lacks, x_lacks = (self._may_have_no_value(e) for e in (result, x))
-        x_at_equality = lacks if lacks != x_lacks else largest
-        return self._indicator(more - less) if x_at_equality else 1 - self._indicator(less - more)
 
     def _stays(self, e: Any) -> bool:
         """Whether the largest of so many is no condition to be taken apart: of what does not move, without tables."""
@@ -255,7 +249,8 @@ class Freezer:
         return made.symbol
 
     def _without_poles(self, surface: Any) -> Any:
-        """n d in place of n/d, which is of the same sign: what changes it through infinity has to pass 0 to be located."""
+        """n d in place of n/d, which is of the same sign, at d = 0 too: what changes it through infinity has to pass 0 to be
+        located."""
         tangents = (x for x in surface.atoms(sp.tan) if self.pool.level(x) != CONSTANT)
         spelled = surface.xreplace({x: sp.sin(x.args[0]) / sp.cos(x.args[0]) for x in tangents})
         if not any(self._may_pass_zero(x.base) for x in spelled.atoms(sp.Pow) if x.exp.is_Integer and x.exp < 0):
@@ -264,7 +259,7 @@ class Freezer:
         powers = [factor.as_base_exp() for factor in sp.Mul.make_args(below)]
         poles = [(base, n) for base, n in powers if n.is_Integer and self._may_pass_zero(base)]
         rest = sp.Mul(*(base**n for base, n in powers if (base, n) not in poles))
-        return above / rest * sp.Mul(*(base ** (n % 2) for base, n in poles)) if poles else surface
+        return above / rest * sp.Mul(*((base + _NEXT_TO_NOTHING) ** (n % 2) for base, n in poles)) if poles else surface
 
     def _may_pass_zero(self, expr: Any) -> bool:
         """Whether an expression of what moves may change its sign; not where a constant outweighs the waves beside it."""

@@ -1,6 +1,7 @@
 #include "gb_enclosed_limit.h"
 #include "gb_event_values.h"
 #include "gb_force_enclosure.h"
+#include "gb_modes.h"
 #include "gb_panel.h"
 #include "gb_vector.h"
 
@@ -46,6 +47,11 @@ static double start_distance(const gb_sim *sim, gb_limit at) {
     return gb_limit_distance(sim, at.i, at.side, sim->events.s0[at.i]);
 }
 
+double gb_margin_rounding(const gb_sim *sim, gb_limit at) {
+    const double rounding = gb_limit_rounding(sim, at.i, 0.0);
+    return sim->events.role[at.i] == GB_ORDINARY ? gb_min(rounding, sim->panel.far) : rounding;
+}
+
 int gb_starts_on_limit(const gb_sim *sim, gb_limit at) {
     return start_distance(sim, at) == 0.0;
 }
@@ -67,14 +73,15 @@ static int goes(gb_sim *sim, int with_forces, gb_limit at, double sign, double b
     return sign > 0.0 ? rate.lo >= 0.0 && rate.hi > 0.0 : rate.hi <= 0.0 && rate.lo < 0.0;
 }
 
-/* It may start on a corner: 0 beside how it moves over the piece [0, b], or where that is no more than rounding. Seldom
- * so long after an event; and where it has just flipped its side is known, unless its rounding makes it flip. */
+/* It may start on a corner: 0 beside how it moves over the piece [0, b], or where that is no more than rounding; what
+ * is infinite there is far off. Seldom so long after an event; and where it has just flipped its side is known, unless
+ * its rounding makes it flip. */
 static int may_be_corner(const gb_sim *sim, gb_limit at, double b) {
     const struct gb_front *front = &sim->head->front;
     const gb_interval f = gb_margin(sim, at), rate = gb_margin_rate(sim, at);
     const double start = start_distance(sim, at), width = f.hi - f.lo,
                  motion = b * gb_max(fabs(rate.lo), fabs(rate.hi));
-    if (sim->events.role[at.i] == GB_CONSTRAINED || !(rate.lo < 0.0) ||
+    if (sim->events.role[at.i] == GB_CONSTRAINED || !(rate.lo < 0.0 && start < HUGE_VAL) ||
         (!is_open(sim, at) && front->h > 1e-6 * (front->t0 - front->t_start))) {
         return 0;
     }

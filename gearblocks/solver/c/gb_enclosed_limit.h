@@ -30,6 +30,11 @@ void gb_enclose(gb_sim *sim, int with_forces, double a, double b);
 gb_interval gb_margin(const gb_sim *sim, gb_limit at);
 gb_interval gb_margin_rate(const gb_sim *sim, gb_limit at);
 
+/* How far below 0 f may lie by rounding. What begins many orders off its limit, as e^(40 - 100 t) does, rounds there no
+ * more as at the start; of forces of constraints, and beside shafts without inertia, what is large may leave so much.
+ */
+double gb_margin_rounding(const gb_sim *sim, gb_limit at);
+
 /* It starts on its limit. */
 int gb_starts_on_limit(const gb_sim *sim, gb_limit at);
 

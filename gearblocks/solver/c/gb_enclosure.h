@@ -258,12 +258,10 @@ static inline gb_enclosure gb_enclosed_cosh(gb_enclosure x) {
     return gb_chained(x, gb_interval_widened(value.lo, value.hi), gb_interval_widened(sinh(x.lo), sinh(x.hi)));
 }
 
-/* x^p for x >= 0 and a number p. */
+/* x^p for x >= 0 and a number p; of p < 0, which falls, without bound where x comes to 0. */
 static inline gb_enclosure gb_enclosed_root(gb_enclosure x, double p) {
     const double lo = fmax(x.lo, 0.0), a = pow(lo, p), b = pow(x.hi, p);
-    const double da = p * pow(lo, p - 1.0), db = p * pow(x.hi, p - 1.0);
-    return gb_chained(x, gb_interval_about(0.5 * (a + b), 0.5 * fabs(b - a)),
-                      gb_interval_about(0.5 * (da + db), 0.5 * fabs(db - da)));
+    return gb_enclosed_growing(x, fmin(a, b), fmax(a, b), p * pow(lo, p - 1.0), p * pow(x.hi, p - 1.0), 0.0);
 }
 
 /* atan2(y, x): its branch cut is a jump. */

@@ -257,7 +257,7 @@ struct gb_sliding {
  * shorter ones do not mend; x: all arguments over a piece; left, right: event functions at its ends, noise: how finely
  * told there; watched: those enclosed in this step; response: constraint forces per torque (unit) on each group. */
 struct gb_panel {
-    double from, to, kept_reach, ahead;
+    double from, to, kept_reach, ahead, far; /* far: more than functions of the states of this step round by */
     double *values, *bernstein, *slack, *misfit, *rounding, *left, *right, *noise, *response, *unit;
     struct gb_enclosure *x, *enclosure, *torque, *bound, *kept;
     int *watched;

@@ -45,13 +45,17 @@ static int is_held(gb_sim *sim, int i, double distance, const double *time_terms
     return fabs(distance) <= ROUNDING * free && fabs(s[i] - here) < 1e-9 * free;
 }
 
-int gb_is_far(const gb_sim *sim, double distance, const double *y, const double *other) {
+double gb_beyond_noise(const gb_sim *sim, const double *y, const double *other) {
     double largest = 0.0, noise = 0.0;
     for (int j = 0; j < sim->model->n; j++) {
         largest = gb_max(largest, gb_max(fabs(y[j]), fabs(other[j])));
         noise = gb_max(noise, sim->control.noise[j]);
     }
-    return fabs(distance) > STEEPEST * gb_max(64.0 * DBL_EPSILON * largest, sim->head->front.h * noise);
+    return STEEPEST * gb_max(64.0 * DBL_EPSILON * largest, sim->head->front.h * noise);
+}
+
+int gb_is_far(const gb_sim *sim, double distance, const double *y, const double *other) {
+    return fabs(distance) > gb_beyond_noise(sim, y, other);
 }
 
 int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, const double *y, const double *other) {

@@ -9,6 +9,9 @@
 
 #include "gb_internal.h"
 
+/* More than all noise of an event function of such states and of their rates, at first sight. */
+double gb_beyond_noise(const gb_sim *sim, const double *y, const double *other);
+
 /* `distance` is beyond all noise of an event function of such states and of their rates, at first sight. */
 int gb_is_far(const gb_sim *sim, double distance, const double *y, const double *other);
 

@@ -28,8 +28,7 @@ typedef struct search {
 /* f has left its mode: a touch has not. Where the ends of a piece that can be no shorter decide, nor has what rounding
  * of the states does to it, in the rest of the step to twice as far: what drifts on is seldom met again. */
 static int is_beyond(gb_sim *sim, const search *s, gb_limit at, double f) {
-    const double rounding = gb_starts_on_limit(sim, at) ? gb_limit_rounding(sim, at.i, 0.0) : 0.0;
-    const double enough = -rounding - sim->panel.noise[at.i];
+    const double enough = -(gb_starts_on_limit(sim, at) ? gb_margin_rounding(sim, at) : 0.0) - sim->panel.noise[at.i];
     if (s->by_ends && gb_min(f, gb_margin(sim, at).lo) < enough &&
         gb_is_noise(sim, at.i, f, sim->lanes.time_terms + sim->method->stages, sim->z, sim->y0)) {
         sim->panel.noise[at.i] = gb_max(sim->panel.noise[at.i], -2.0 * f);
@@ -40,7 +39,7 @@ static int is_beyond(gb_sim *sim, const search *s, gb_limit at, double f) {
 
 /* Its values alone tell that it is free. */
 static int is_clear(const gb_sim *sim, gb_limit at) {
-    return at.side == 0.0 || gb_margin(sim, at).lo >= -gb_limit_rounding(sim, at.i, 0.0);
+    return at.side == 0.0 || gb_margin(sim, at).lo >= -gb_margin_rounding(sim, at);
 }
 
 /* Rates over a piece so long tell nothing: its ends are not worth a look. */
@@ -53,7 +52,7 @@ static int is_hopeless(const gb_sim *sim, const search *s, gb_limit at) {
 static int verdict(gb_sim *sim, const search *s, gb_limit at) {
     const double fa = gb_limit_distance(sim, at.i, at.side, sim->panel.left[at.i]);
     const double fb = gb_limit_distance(sim, at.i, at.side, sim->panel.right[at.i]);
-    const double enough = -gb_limit_rounding(sim, at.i, 0.0) - sim->panel.noise[at.i];
+    const double enough = -gb_margin_rounding(sim, at) - sim->panel.noise[at.i];
     const gb_interval rate = gb_margin_rate(sim, at);
     if (is_beyond(sim, s, at, fb)) {
         return rate.hi <= 0.0 || s->by_ends ? ROOT : OPEN;
@@ -277,6 +276,7 @@ static int begin(gb_sim *sim, search *s) {
     for (int k = 0; k < model->n_arguments_read; k++) {
         sim->panel.rounding[k] = 0.0;
     }
+    sim->panel.far = model->n_massless > 0 ? HUGE_VAL : gb_beyond_noise(sim, sim->z, sim->y0);
     s->with_forces = gb_forces_prepare(sim);
     watch_forces(sim, s->with_forces);
     for (int k = 0; k < gb_limits(model); k++) {

@@ -15,7 +15,9 @@ static inline double gb_rounding(double t, double h) {
  * by the rounding of rates that cancel: each flip without progress of time doubles it, until the next that stands
  * alone. */
 static inline double gb_limit_rounding(const gb_sim *sim, int i, double limit) {
-    const double rounding = 64.0 * DBL_EPSILON * (fabs(sim->events.s0[i]) + fabs(limit));
+    const double start = fabs(sim->events.s0[i]);
+    const double size = start < HUGE_VAL ? start : 0.0; /* where log(0) has led is told as well as the limit is */
+    const double rounding = 64.0 * DBL_EPSILON * (size + fabs(limit));
     return sim->events.flips[i] > 1.0 ? ldexp(rounding, (int)sim->events.flips[i] - 1) : rounding;
 }
 
