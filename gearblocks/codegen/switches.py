@@ -15,6 +15,7 @@ from gearblocks.codegen.operands import Assignment, Index, Operand, Role
 from gearblocks.codegen.parts import Band, Prediction
 from gearblocks.codegen.program import SwitchInfo
 from gearblocks.codegen.switched_constraints import switched_constraint_functions
+from gearblocks.laws.symbols import MOVING
 
 _ORDER = (("affine", "affine_constraint"), ("general", "general_constraint"), ("line", "wave"))
 
@@ -120,6 +121,11 @@ def _predictions(g: Generator, code: BatchCode) -> None:
             g.table_switches.append((first, code.n, name))
         if code.law.switches[i].of_slip:
             g.slip_switches += range(first, first + code.n)
+        if code.law.switches[i].at_zero is not None and sort in ("affine", "general"):
+            exact = g.exact_moving if code.law.switches[i].level == MOVING else g.exact_timed
+            exact += range(first, first + code.n)
+        if code.law.switches[i].at_zero == 0:
+            g.strict_switches.append((first, code.n))
         if sort in ("line", "wave"):
             predictor, args = code.events.prediction(i)
             names = code.names(args)

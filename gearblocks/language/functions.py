@@ -85,7 +85,10 @@ _COMPARED = "; == and != compare no values: abs(x - 2) < 0.5; between numbers ch
 
 @by_name_only
 def piecewise(*pairs: tuple[Any, Any]) -> Any:
-    """(value, condition) pairs, the first true condition wins; the last condition must be True."""
+    """(value, condition) pairs, the first true condition wins; the last condition must be True.
+
+    Conditions are met in passing. What stays on a limit (a pedal at 0, the number of a gear) is as > or >= says.
+    """
     flat: list[Any] = []
     for i, pair in enumerate(pairs):
         if not isinstance(pair, tuple) or len(pair) != 2 or pair[1] is False:

@@ -1,7 +1,8 @@
 """Conditions as modes: Piecewise, Abs, sign, Min, Max, Heaviside and tables become event functions and mode symbols.
 
 H(g(x)) becomes a mode m in {0, 1} with the event function g. Within a step a law runs on the branch that its modes name,
-continued smoothly past g = 0. Knows nothing of when a mode changes: the solver does that at events.
+continued smoothly past g = 0. What stays at g = 0 (a pedal that is not touched) has the mode that > or >= asks for.
+Knows nothing of when a mode changes: the solver does that at events.
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ class EventFunction:
     about zero of that half width (-1, 0, 1). constraint: its part in a switched one: "slip", "gap", "sign" (of a force), "hold"
     or "free"; the solver then decides about its mode together with those of all others ("free" apart: 1 where it is not
     engaged). of_slip: g is the size of a slip, which has a direction once the constraint has been decided about. form: g as it
-    was asked for, where it reads its own mode (Pool.own_mode).
+    was asked for, where it reads its own mode (Pool.own_mode). at_zero: the mode where g stays exactly 0, or a quantity at a
+    joint of its table, as the condition says; None: nothing depends on it.
     """
 
     name: str
@@ -68,6 +70,7 @@ class EventFunction:
     constraint: str | None = None
     of_slip: bool = False
     form: Any = None
+    at_zero: int | None = None
 
     @property
     def is_sign(self) -> bool:
@@ -143,15 +146,16 @@ class Freezer:
         if isinstance(e, sp.Abs):
             return (2 * self._indicator(a[0]) - 1) * a[0]
         if isinstance(e, sp.sign):
-            return 2 * self._indicator(a[0]) - 1
+            return self._sign(a[0])
         if isinstance(e, sp.Heaviside):
-            return self._indicator(a[0])
+            return self._indicator(a[0], at_zero=1 if self._may_stay(a[0]) else None)
         if isinstance(e, (sp.Max, sp.Min)):
             return self._extremum(a, isinstance(e, sp.Max))
         if isinstance(e, (sp.Ne, sp.Eq)):
             raise GearblocksError(f"the condition '{e}' asks for equality, which a run never meets exactly; use < or >")
         if e.is_Relational:
-            return self._indicator(a[0] - a[1] if isinstance(e, (sp.Gt, sp.Ge)) else a[1] - a[0])
+            least = a[0] - a[1] if isinstance(e, (sp.Gt, sp.Ge)) else a[1] - a[0]
+            return self._indicator(least, at_zero=int(isinstance(e, (sp.Ge, sp.Le))) if self._may_stay(least) else None)
         if isinstance(e, sp.And):
             return sp.Mul(*a)
         if isinstance(e, sp.Or):
@@ -161,6 +165,24 @@ class Freezer:
         if isinstance(e, sp.ITE):
             return a[0] * a[1] + (1 - a[0]) * a[2]
         return e.func(*a)
+
+    def _may_stay(self, x: Any) -> bool:
+        """Whether an expression may be exactly on a limit for a time: a signal, not what a block itself knows of its motion."""
+        return self.pool.level(x) != MOVING or any(self.pool.roles[s].role == "sense" for s in x.free_symbols)
+
+    def _sign(self, x: Any) -> Any:
+        """-1, 0 or 1; of what moves by itself -1 or 1, as it does not stay at 0."""
+        level = self.pool.level(x)
+        stays = level == CONSTANT or (
+            level != MOVING and any(self.pool.roles[s].role != "time" for s in self._timed(x))
+        )
+        return (
+            self._indicator(x, at_zero=0) + self._indicator(x, at_zero=1) - 1 if stays else 2 * self._indicator(x) - 1
+        )
+
+    def _timed(self, x: Any) -> list[Any]:
+        """The symbols of an expression that change in a run."""
+        return [s for s in x.free_symbols if self.pool.level(s) != CONSTANT]
 
     def _extremum(self, values: Sequence[Any], largest: bool) -> Any:
         """The largest or the least of several, by comparing two at a time: few one after the other, of many each half by
@@ -228,25 +250,38 @@ class Freezer:
             elsewhere = self._where(chosen, value) + self._where((1 - chosen) ** 2, elsewhere)
         return elsewhere
 
-    def _indicator(self, surface: Any, name: str | None = None) -> Any:
-        """1 where surface >= 0, else 0, as the mode symbol of a switch (or a plain condition on constants)."""
+    def _indicator(self, surface: Any, name: str | None = None, at_zero: int | None = None) -> Any:
+        """1 where surface > 0, else 0, and at_zero (None: either) where it is 0, as the mode symbol of a switch (or a plain
+        condition on constants)."""
         surface = self._without_poles(self.freeze(surface))
         if surface.is_number:
-            return sp.Integer(1 if surface >= 0 else 0)
+            return sp.Integer(1 if surface > 0 or (surface == 0 and at_zero != 0) else 0)
         for switch in self.switches:
             known = switch.surface if switch.form is None else switch.form
-            if switch.is_sign and known == surface:
+            if switch.is_sign and known == surface and self._agrees_at_zero(switch, at_zero):
                 return switch.symbol
-            if switch.is_sign and known == -surface:
+            if (
+                switch.is_sign
+                and known == -surface
+                and self._agrees_at_zero(switch, None if at_zero is None else 1 - at_zero)
+            ):
                 return 1 - switch.symbol
         if not self.locating or self.pool.level(surface) == CONSTANT:
-            return sp.Heaviside(surface, 1)
+            return 1 - sp.Heaviside(-surface, 1) if at_zero == 0 else sp.Heaviside(surface, 1)
         if name is None:
             name = f"switch {len(self.switches) + 1}"
         made = self._add(name, surface)
+        made.at_zero = at_zero
         if surface.has(self.pool.own_mode):
             made.form, made.surface = surface, surface.xreplace({self.pool.own_mode: made.symbol})
         return made.symbol
+
+    def _agrees_at_zero(self, switch: EventFunction, at_zero: int | None) -> bool:
+        """Whether a switch serves a condition that asks for this mode at 0. What moves has one switch on either side: a law
+        that jumps there slides along it."""
+        if switch.at_zero is None:
+            switch.at_zero = at_zero
+        return at_zero in (None, switch.at_zero) or switch.level == MOVING
 
     def _without_poles(self, surface: Any) -> Any:
         """n d in place of n/d, which is of the same sign, at d = 0 too: what changes it through infinity has to pass 0 to be
@@ -304,30 +339,33 @@ class Freezer:
         n = 1 if isinstance(e, TableAt) else 2
         symbol, quantities, orders = e.args[0], [self.freeze(x) for x in e.args[1 : n + 1]], e.args[n + 1 : 2 * n + 1]
         axes = [symbol] if n == 1 else [self.pool.table(axis) for axis in self.pool.roles[symbol].of.axes]
+        jumps = n == 1 and self.pool.roles[symbol].of.kind == "step"
         modes = [
-            self._segment(axis, x, least=isinstance(raw, sp.Abs) or sp.expand(x) in self.sizes)
+            self._segment(axis, x, jumps=jumps, least=isinstance(raw, sp.Abs) or sp.expand(x) in self.sizes)
             for axis, x, raw in zip(axes, quantities, e.args[1 : n + 1], strict=True)
         ]
         if None in modes:
             return e.func(symbol, *quantities, *orders)
-        if n == 1 and self.pool.roles[symbol].of.kind == "step":
+        if jumps:
             quantities = [sp.Integer(0)]
         return e.func(symbol, *quantities, *orders, *modes)
 
-    def _segment(self, table: Any, x: Any, name: str = "table", least: bool = False) -> Any:
+    def _segment(self, table: Any, x: Any, name: str = "table", *, jumps: bool = False, least: bool = False) -> Any:
         """The mode that is the segment of a table over x, shared by all with the same joints; None where none is located.
 
-        least: x is a size, whose side is decided elsewhere: no joint below or at 0 is a corner.
+        jumps: a joint belongs to the segment that begins there. least: x is a size, whose side is decided elsewhere: no joint
+        below or at 0 is a corner.
         """
         table = self._beyond_zero(table) if least else table
         for switch in self.switches:
             if switch.table is not None and switch.surface == x and self._same_joints(switch.table, table):
+                switch.at_zero = 1 if jumps and self._may_stay(x) else switch.at_zero
                 return switch.symbol
         smooth = not getattr(self.pool.roles[table].of, "joints", True)
         if not self.locating or smooth or self.pool.level(x) == CONSTANT:
             return None
         made = self._add(name, x, table)
-        made.of_slip = sp.expand(x) in self.sizes
+        made.of_slip, made.at_zero = sp.expand(x) in self.sizes, 1 if jumps and self._may_stay(x) else None
         return made.symbol
 
     def _beyond_zero(self, table: Any) -> Any:
@@ -350,7 +388,7 @@ class Freezer:
     def _floor(self, e: Any) -> Any:
         """The whole number below, as the mode of a table that counts."""
         x = self.freeze(e.args[0])
-        mode = self._segment(self.pool.symbol("table", _COUNT, "table_count"), x, "count")
+        mode = self._segment(self.pool.symbol("table", _COUNT, "table_count"), x, "count", jumps=True)
         return sp.floor(x) if mode is None else mode
 
     def _add(self, name: str, surface: Any, table: Any = None) -> EventFunction:

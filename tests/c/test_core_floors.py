@@ -42,6 +42,7 @@ FLOORS: tuple[tuple[str, ...], ...] = (
         "gb_reach",
         "gb_rest",
         "gb_mode_search",
+        "gb_exact_limit",
         "gb_dependence",
     ),
     ("gb_jump",),

@@ -15,6 +15,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 
 import fmu_export
+import gearblocks as gb
 from fmu_export import manifest
 from fmu_export.checks.instance import Instance, Unpacked
 from fmu_export.checks.replay import replay
@@ -311,3 +312,17 @@ def test_fmpy_feeds_inputs_and_start_values(packed: Path) -> None:
     other = fmpy.simulate_fmu(str(packed), start_values={"tau": 5.0, "spring.k": 2.1e4}, **options)
     np.testing.assert_array_equal(fed, held)
     assert not np.array_equal(fed["wheel.w"], other["wheel.w"])
+
+
+def test_an_input_that_is_set_to_the_limit_of_a_condition_is_on_its_side(tmp_path: Path) -> None:
+    pedal, gear = gb.Input("pedal"), gb.Input("gear", 1.0)
+    law = gb.piecewise((10, pedal > 0), (0, True)) + gb.Table([1, 2], [0, 100], "step")(gear)
+    rig = gb.Drivetrain("driven")
+    rig.chain(rig.add("drive", gb.Torque(tau=law)), rig.add("disc", gb.Inertia(J=1.0)))
+    signals = np.array(
+        [(0, 0, 1), (1, 0, 1), (1, 1, 2), (2, 1, 2), (2, 0, 1), (3, 0, 1)],
+        dtype=[("time", "f8"), ("pedal", "f8"), ("gear", "f8")],
+    )
+    path = fmu_export.export(rig, tmp_path / "driven.fmu", outputs=["disc.w"])
+    rows = fmpy.simulate_fmu(str(path), stop_time=3.0, output_interval=0.25, input=signals, output=["disc.w"])
+    assert rows["disc.w"][-1] == pytest.approx(110.0, rel=1e-12)

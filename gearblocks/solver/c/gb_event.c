@@ -2,6 +2,7 @@
 #include "gb_constraint_state.h"
 #include "gb_constraint_switching.h"
 #include "gb_evaluate.h"
+#include "gb_exact_limit.h"
 #include "gb_inputs.h"
 #include "gb_limit_noise.h"
 #include "gb_mode_search.h"
@@ -270,6 +271,30 @@ int gb_settle_on_limits(gb_sim *sim) {
     return code;
 }
 
+/* All that follows from the modes at an event. */
+static int settle_event(gb_sim *sim) {
+    int code = gb_settle_modes(sim, 1);
+    if (code == GB_DONE) {
+        code = gb_settle_all(sim, 1);
+    }
+    if (code == GB_DONE) {
+        code = gb_balance_massless(sim, GB_AT_EVENT);
+    }
+    return code == GB_DONE ? gb_settle_on_limits(sim) : code;
+}
+
+int gb_settle_exact_limits(gb_sim *sim) {
+    int code = GB_DONE, changed = sim->model->n_exact_switches > 0;
+    for (int round = 0; round < GB_FLIPS && changed && code == GB_DONE; round++) {
+        changed = 0;
+        code = gb_take_exact_modes(sim, &changed);
+        if (code == GB_DONE && changed) {
+            code = settle_event(sim);
+        }
+    }
+    return code;
+}
+
 int gb_apply_event(gb_sim *sim) {
     gb_head *head = sim->head;
     if (sim->model->update_states != NULL) {
@@ -297,19 +322,13 @@ int gb_apply_event(gb_sim *sim) {
         gb_stick_by_mean(sim);
     }
     if (code == GB_DONE) {
-        code = gb_settle_modes(sim, 1);
-    }
-    if (code == GB_DONE) {
-        code = gb_settle_all(sim, 1);
-    }
-    if (code == GB_DONE) {
-        code = gb_balance_massless(sim, GB_AT_EVENT);
-    }
-    if (code == GB_DONE) {
-        code = gb_settle_on_limits(sim);
+        code = settle_event(sim);
     }
     if (timed) {
         gb_refresh_breaks(sim, 0);
+    }
+    if (code == GB_DONE) {
+        code = gb_settle_exact_limits(sim);
     }
     if (code == GB_DONE && sim->model->update_states != NULL) {
         code = update_states(sim, count_strikes(sim) > strikes);

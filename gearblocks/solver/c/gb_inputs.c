@@ -1,8 +1,10 @@
 #include "gb_inputs.h"
 #include "gb_report.h"
+#include "gb_vector.h"
 
-/* Of what a callback changes by between two samples: what is left of it between nearer ones, where it jumps. */
-static const double LEFT = 0.5;
+/* Of what a callback changes by between two samples: what is left of it between nearer ones, where it jumps. How far
+ * behind a step it is looked whether it stays as it is, as part of the step. */
+static const double LEFT = 0.5, LITTLE = 1e-3;
 
 /* Number of whole periods before t, and the time within its period. */
 static double periods(const gb_source *s, double t) {
@@ -53,7 +55,7 @@ static double table_value(const gb_source *s, double cell, double t) {
     const double end = j > 0 ? s->x[j] : s->x[0] + s->period;
     const double width = end - s->x[i];
     const double b = (t - count * s->period - s->x[i]) / width, a = 1.0 - b;
-    double value = a * s->y[i] + b * s->y[j];
+    double value = s->y[i] == s->y[j] ? s->y[i] : a * s->y[i] + b * s->y[j]; /* what rests does so exactly */
     if (s->kind == GB_CUBIC && s->y2) {
         value += ((a * a * a - a) * s->y2[i] + (b * b * b - b) * s->y2[j]) * (width * width / 6.0);
     }
@@ -86,7 +88,7 @@ static void leave_jump(gb_sim *sim, int i, double t) {
     int code = callback_value(sim, i, t, &before);
     sim->inputs.cell_end[i] = HUGE_VAL;
     code = code == GB_DONE ? callback_value(sim, i, t, &after) : code;
-    if (code == GB_DONE) {
+    if (code == GB_DONE && before != after) { /* else it comes to rest */
         gb_log(sim, sim->model->n_switches + i, 1, before, after);
     }
 }
@@ -161,6 +163,29 @@ static int find_jump(gb_sim *sim, int i, double limit, double from, double to, d
     return 1;
 }
 
+/* The first time from which callback i has the value that it has at the end of the step and a little later, where it
+ * had another at the start: what stays exactly on the limit of a condition begins to do so there. 1: it is kept as the
+ * end of a piece. */
+static int find_rest(gb_sim *sim, int i, double limit, const double *t, const double *u) {
+    const int lanes = sim->method->stages + 1, last = sim->method->stages;
+    double from = sim->head->front.t1, to = t[last], value;
+    for (int l = 0; l < lanes; l++) {
+        from = u[l] != u[last] ? gb_max(from, t[l]) : from;
+    }
+    for (int l = 0; l < lanes; l++) {
+        to = t[l] > from ? gb_min(to, t[l]) : to;
+    }
+    int code = moving_value(sim, i, t[last] + LITTLE * (t[last] - sim->head->front.t1), &value);
+    const int begins = u[0] != u[last] && from < t[last] && to < limit && code == GB_DONE && value == u[last];
+    for (double middle = 0.5 * (from + to); begins && code == GB_DONE && from < middle && middle < to;
+         middle = 0.5 * (from + to)) {
+        code = moving_value(sim, i, middle, &value);
+        *(value == u[last] ? &to : &from) = middle;
+    }
+    sim->inputs.cell_end[i] = begins && code == GB_DONE ? to : sim->inputs.cell_end[i];
+    return code == GB_DONE ? begins : code;
+}
+
 int gb_callback_jumps(gb_sim *sim, double limit) {
     const double *t = sim->lanes.t;
     int found = 0;
@@ -171,7 +196,8 @@ int gb_callback_jumps(gb_sim *sim, double limit) {
         double largest;
         if (sim->inputs.source[i].kind == GB_CALLBACK &&
             most_change(t, u, sim->method->stages + 1, &from, &to, &largest) > sim->head->options.rtol * largest) {
-            const int jumps = find_jump(sim, i, limit, t[from], t[to], u[from], u[to]);
+            int jumps = find_jump(sim, i, limit, t[from], t[to], u[from], u[to]);
+            jumps = jumps == 0 && sim->model->n_exact_timed > 0 ? find_rest(sim, i, limit, t, u) : jumps;
             found = jumps != 0 ? jumps : found;
         }
     }

@@ -217,14 +217,14 @@ typedef struct gb_lanes {
     double *t, *u, *time_terms;
 } gb_lanes;
 
-/* Events, by switch. In the block: up to `swings_from`. */
+/* Events, by switch. In the block: up to `stayed`. */
 struct gb_events {
     double *lo, *hi;
     double *armed;               /* -1 or 1: it has just flipped and is watched from its lower or upper limit */
     double *pending, *next_mode; /* pending != 0: it flips at the front, into next_mode */
     double *next_time;           /* time switches: when they leave their mode (into next_mode) */
     double *flip_time, *flips;   /* the last flip, and how many without progress */
-    double *held, *held_side, *shortest, *shortest_at, *swings, *swings_from; /* see gb_departure.h, gb_swings.h */
+    double *held, *held_side, *shortest, *shortest_at, *swings, *swings_from, *stayed; /* see gb_swings.h */
     double *defect;                    /* slopes of a dense polynomial and rates there, by state */
     int *role, *slip_of, *force_of;    /* who decides about its mode; the constraint whose slip or force it is, or -1 */
     double *mode_before;               /* modes before an event */

@@ -33,10 +33,10 @@ static size_t lay_block(gb_sim *sim, char *base) {
     size_t at = 0;
     sim->head = take(base, &at, sizeof(gb_head));
     double **const by_input[] = {&sim->inputs.value, &sim->inputs.cell, &sim->inputs.cell_end};
-    double **const by_switch[] = {&events->lo,        &events->hi,         &events->armed,     &events->pending,
-                                  &events->next_mode, &events->next_time,  &events->flip_time, &events->flips,
-                                  &events->held,      &events->held_side,  &events->shortest,  &events->shortest_at,
-                                  &events->swings,    &events->swings_from};
+    double **const by_switch[] = {&events->lo,        &events->hi,          &events->armed,     &events->pending,
+                                  &events->next_mode, &events->next_time,   &events->flip_time, &events->flips,
+                                  &events->held,      &events->held_side,   &events->shortest,  &events->shortest_at,
+                                  &events->swings,    &events->swings_from, &events->stayed};
     double **const by_state[] = {&control->largest,      &control->natural_scale, &control->noise,
                                  &control->error_weight, &control->least_scale,   &control->fastest_rate,
                                  &control->fast};

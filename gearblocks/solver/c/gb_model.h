@@ -142,8 +142,12 @@ typedef struct gb_model {
     /* Limits of every switch in its mode: the mode is valid while lo <= event function <= hi. */
     void (*mode_limits)(const double *par, const double *mode, double *lo, double *hi);
 
-    /* The mode of switch i where its event function is s (>= a limit belongs to the upper mode). */
+    /* The mode of switch i where its event function is s. A limit belongs to the upper mode, but 0 of a strict
+     * condition. exact_switches: those with which it matters how it is where s stays on a limit, first those that time
+     * and inputs alone move. */
     double (*mode_at)(const double *par, int i, double s);
+    int n_exact_timed, n_exact_switches;
+    const int *exact_switches;
 
     /* Changes the states of blocks that take a new value as the modes go from `before` to `mode` (NULL: there are
      * none). n_inverse_speeds of them are one over a speed, set by a switch. */

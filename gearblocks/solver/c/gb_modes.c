@@ -118,7 +118,8 @@ int gb_modes(const gb_sim *sim, double *mode) {
 }
 
 double gb_far_side(const gb_sim *sim, int i, double side) {
-    return sim->model->mode_at(sim->par, i, side < 0.0 ? nextafter(sim->events.lo[i], -HUGE_VAL) : sim->events.hi[i]);
+    const double limit = side < 0.0 ? sim->events.lo[i] : sim->events.hi[i], beside = copysign(DBL_MIN, side);
+    return sim->model->mode_at(sim->par, i, limit == 0.0 ? beside : nextafter(limit, copysign(HUGE_VAL, side)));
 }
 
 void gb_refresh_breaks(gb_sim *sim, int all) {

@@ -84,8 +84,10 @@ static void follow_tangent(gb_sim *sim, int lane) {
         for (int l = 1; l < GB_LANES; l++) {
             slope += weight[l] * (term[l] - term[0]);
         }
-        term[lane] = term[0] + SHARE * slope;
-        term[lane + 1] = term[0] + 2.0 * SHARE * slope;
+        if (slope - slope == 0.0) { /* else it stays as it is there: a term may have a pole where its law ends */
+            term[lane] = term[0] + SHARE * slope;
+            term[lane + 1] = term[0] + 2.0 * SHARE * slope;
+        }
     }
 }
 

@@ -59,7 +59,7 @@ static void clear_run(gb_sim *sim, const gb_options *options, double t0) {
     memset(sim->constraints.impacts, 0, sizeof(double) * (size_t)m->n_constraints);
     memset(sim->constraints.impact_speed, 0, 2 * sizeof(double) * (size_t)m->n_constraints);
     for (int i = 0; i < m->n_switches; i++) {
-        sim->events.flip_time[i] = -HUGE_VAL;
+        sim->events.flip_time[i] = sim->events.stayed[i] = -HUGE_VAL;
     }
     memset(sim->control.largest, 0, states);
     memset(sim->control.natural_scale, 0, states);
@@ -262,5 +262,8 @@ int gb_apply_changes(gb_sim *sim) {
     if (code == GB_DONE && model->n_constraints > 0) {
         code = gb_switch_constraints(sim, 1);
     }
-    return code == GB_DONE ? gb_settle_on_limits(sim) : code;
+    if (code == GB_DONE) {
+        code = gb_settle_on_limits(sim);
+    }
+    return code == GB_DONE ? gb_settle_exact_limits(sim) : code;
 }
