@@ -343,6 +343,8 @@ def to_sympy(e: Expr, leaf: Callable[[Expr], Any] | None = None) -> Any:
         return {"<": sp.Lt, "<=": sp.Le, ">": sp.Gt, ">=": sp.Ge}[e.op](*a)
     if e.op == "Piecewise":
         return sp.Piecewise(*((v, True if c == 1 else c) for v, c in zip(a[::2], a[1::2], strict=True)))
+    if e.op == "Heaviside" and a[0] == 0:  # of sympy's it is 1/2
+        return sp.Integer(1)
     if e.op == "exp" and a[0].is_Add:  # exp(x + 1000.0) would become exp(1000.0) exp(x), infinite times 0
         a = [sp.Add(*(sp.Rational(x) if x.is_Float else x for x in a[0].args))]
     return getattr(sp, e.op)(*a)

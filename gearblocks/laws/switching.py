@@ -186,7 +186,8 @@ class Freezer:
 
     def _extremum(self, values: Sequence[Any], largest: bool) -> Any:
         """The largest or the least of several, by comparing two at a time: few one after the other, of many each half by
-        itself. Of two the first stands in the result once where it is long, so that what is nested stays linear."""
+        itself. Of two the first stands in the result once where it is long, so that what is nested stays linear; of signals
+        the result is exactly one of both, so that it can stay on a limit."""
         if len(values) > _COMPARED:
             half = len(values) // 2
             values = [self._extremum(values[:half], largest), self._extremum(values[half:], largest)]
@@ -195,7 +196,7 @@ class Freezer:
             above = self._indicator(x - result) if largest else 1 - self._indicator(x - result)
             if self._may_have_no_value(x) or self._may_have_no_value(result):
                 result = self._where(1 - above, result) + self._where(above, x)
-            elif self._size(result) > _LONG:
+            elif self._size(result) > _LONG or MOVING not in (self.pool.level(x), self.pool.level(result)):
                 result = (1 - above) ** 2 * result + above * x
             else:
                 result = result + above * (x - result)

@@ -57,5 +57,8 @@ int gb_departed(gb_sim *sim) {
             events->held_until = gb_min(events->held_until, sim->events.held[i]);
         }
     }
-    return code == GB_DONE ? gb_settle_modes(sim, 1) : code;
+    const uint64_t modes = events->mode_hash;
+    const int settled = code == GB_DONE ? gb_settle_modes(sim, 1) : code;
+    sim->head->front.have_k1 &= events->mode_hash == modes;
+    return settled;
 }

@@ -51,7 +51,8 @@ static int mark(gb_sim *sim) {
     const gb_model *model = sim->model;
     int count = 0, code = gb_event_functions_now(sim);
     for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
-        const int free = sim->events.role[i] == GB_ORDINARY && sim->events.armed[i] == 0.0;
+        const int decided = sim->events.armed[i] != 0.0 || sim->events.stayed[i] == sim->head->front.t1;
+        const int free = sim->events.role[i] == GB_ORDINARY && !decided;
         const double held = sim->events.held_side[i];
         sim->events.side[i] = held != 0.0 ? held : free ? stands_on(sim, i) : 0.0;
         count += sim->events.side[i] != 0.0;
@@ -289,7 +290,7 @@ int gb_depart(gb_sim *sim, int before, int timed) {
     const gb_model *model = sim->model;
     const struct gb_event_state *events = &sim->head->events;
     const int held = events->held_until < HUGE_VAL, log = before == GB_AT_EVENT;
-    int code = GB_DONE, flipped = 1, early = log && !timed && sim->head->counts.events < events->look_at;
+    int code = GB_DONE, flipped = 1, left = 0, early = log && !timed && sim->head->counts.events < events->look_at;
     double shortest = SHORTEST, ahead = 0.0;
     if (!sim->head->options.locate || model->n_event_functions == 0 || (early && !held)) {
         return GB_DONE;
@@ -300,9 +301,10 @@ int gb_depart(gb_sim *sim, int before, int timed) {
         }
         code = decide(sim, log, shortest, &flipped);
         if (code == GB_DONE && flipped > 0) {
+            left = 1;
             ahead = sim->head->events.look_ahead = gb_max(sim->head->events.look_ahead, ahead);
             sim->head->front.have_k1 = 0;
-            code = gb_settle_all(sim, log);
+            code = model->n_constraints > 0 ? gb_settle_all(sim, log) : gb_settle_modes(sim, log);
             shortest = further(sim);
             round -= shortest > 0.0;
             shortest = gb_max(shortest, SHORTEST);
@@ -315,5 +317,6 @@ int gb_depart(gb_sim *sim, int before, int timed) {
             code = gb_update_states(sim);
         }
     }
-    return code == GB_DONE && flipped > 0 ? hold_trapped(sim) : code;
+    code = code == GB_DONE && flipped > 0 ? hold_trapped(sim) : code;
+    return code == GB_DONE && left ? gb_settle_exact_limits(sim, log) : code;
 }

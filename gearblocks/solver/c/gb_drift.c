@@ -32,8 +32,9 @@ static const double GROWTH = 1.25;
 static const double LEAST = 1e-12, STRICTEST = 20.0, MOST_AT_ONCE = 3.0, LESS = 0.25, USELESS = 7.0;
 
 /* Tolerances that one step may add; the power of the step size by which a shorter try of it must add less, else what is
- * out of balance is no error of steps, and that many steps, then twice as many, are not looked at. */
-static const double MOST_OF_A_STEP = 1.0, LEAST_POWER = 2.5;
+ * out of balance is no error of steps, and that many steps, then twice as many, are not looked at; from where on, as
+ * log2 of tolerances, it keeps the next step from growing as it could. */
+static const double MOST_OF_A_STEP = 1.0, LEAST_POWER = 2.5, SLOWS = -16.0;
 enum { LEFT_OUT = 16 };
 
 /* Steps up to the first look, between two where something is wrong, and at most; events: a body that bounces is cut off
@@ -95,7 +96,7 @@ double gb_log_imbalance(gb_sim *sim, double h) {
     const double size = gb_max(head->ledger.stored, gb_max(before, after)) + head->ledger.turnover;
     const double tolerance = MOST_OF_A_STEP * gb_max(head->options.rtol, LEAST) * size;
     const double error = tolerance > 0.0 ? gb_rough_log2(added / tolerance + 1e-30) : -100.0;
-    if (error > 0.0 && head->front.t1 > head->front.t_start && gb_moves_by_rounding(sim)) {
+    if (error > SLOWS && head->front.t1 > head->front.t_start && gb_moves_by_rounding(sim)) {
         return -100.0;
     }
     if (error > 0.0) {

@@ -272,10 +272,10 @@ int gb_settle_on_limits(gb_sim *sim) {
 }
 
 /* All that follows from the modes at an event. */
-static int settle_event(gb_sim *sim) {
-    int code = gb_settle_modes(sim, 1);
+static int settle_event(gb_sim *sim, int log) {
+    int code = gb_settle_modes(sim, log);
     if (code == GB_DONE) {
-        code = gb_settle_all(sim, 1);
+        code = gb_settle_all(sim, log);
     }
     if (code == GB_DONE) {
         code = gb_balance_massless(sim, GB_AT_EVENT);
@@ -283,13 +283,13 @@ static int settle_event(gb_sim *sim) {
     return code == GB_DONE ? gb_settle_on_limits(sim) : code;
 }
 
-int gb_settle_exact_limits(gb_sim *sim) {
+int gb_settle_exact_limits(gb_sim *sim, int log) {
     int code = GB_DONE, changed = sim->model->n_exact_switches > 0;
     for (int round = 0; round < GB_FLIPS && changed && code == GB_DONE; round++) {
         changed = 0;
-        code = gb_take_exact_modes(sim, &changed);
+        code = gb_take_exact_modes(sim, log, &changed);
         if (code == GB_DONE && changed) {
-            code = settle_event(sim);
+            code = settle_event(sim, log);
         }
     }
     return code;
@@ -322,13 +322,13 @@ int gb_apply_event(gb_sim *sim) {
         gb_stick_by_mean(sim);
     }
     if (code == GB_DONE) {
-        code = settle_event(sim);
+        code = settle_event(sim, 1);
     }
     if (timed) {
         gb_refresh_breaks(sim, 0);
     }
     if (code == GB_DONE) {
-        code = gb_settle_exact_limits(sim);
+        code = gb_settle_exact_limits(sim, 1);
     }
     if (code == GB_DONE && sim->model->update_states != NULL) {
         code = update_states(sim, count_strikes(sim) > strikes);

@@ -26,7 +26,7 @@ int gb_balance_massless(gb_sim *sim, int before);
 int gb_update_states(gb_sim *sim);
 
 /* What stays exactly on a limit has the mode that its condition says; and what follows from that. */
-int gb_settle_exact_limits(gb_sim *sim);
+int gb_settle_exact_limits(gb_sim *sim, int log);
 
 /* Carries out what is pending at the front. */
 int gb_apply_event(gb_sim *sim);

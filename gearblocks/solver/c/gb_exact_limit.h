@@ -1,4 +1,4 @@
-/* Conditions whose quantity stays exactly on its limit: a pedal at 0 that is asked for > 0, a gear number for >= 2, a
+/* Conditions whose quantity is exactly on its limit: a pedal at 0 that is asked for > 0, a gear number for >= 2, a
  * signal at the joint of a step table. What passes a limit is beyond it an instant later, whatever it is there; what
  * stays has the mode that the condition says.
  * Knows nothing of how limits are passed. */
@@ -7,8 +7,8 @@
 
 #include "gb_internal.h"
 
-/* Gives these modes to what stays on a limit from the front on; what follows from them is to be settled. *changed: how
- * many more. */
-int gb_take_exact_modes(gb_sim *sim, int *changed);
+/* Gives what is on a limit at the front, and stays there, the mode of the limit, and what only time moves that of the
+ * side to which it goes; what follows from them is to be settled. *changed: how many more. */
+int gb_take_exact_modes(gb_sim *sim, int log, int *changed);
 
 #endif

@@ -163,27 +163,47 @@ static int find_jump(gb_sim *sim, int i, double limit, double from, double to, d
     return 1;
 }
 
-/* The first time from which callback i has the value that it has at the end of the step and a little later, where it
- * had another at the start: what stays exactly on the limit of a condition begins to do so there. 1: it is kept as the
- * end of a piece. */
-static int find_rest(gb_sim *sim, int i, double limit, const double *t, const double *u) {
-    const int lanes = sim->method->stages + 1, last = sim->method->stages;
-    double from = sim->head->front.t1, to = t[last], value;
-    for (int l = 0; l < lanes; l++) {
-        from = u[l] != u[last] ? gb_max(from, t[l]) : from;
-    }
-    for (int l = 0; l < lanes; l++) {
-        to = t[l] > from ? gb_min(to, t[l]) : to;
-    }
-    int code = moving_value(sim, i, t[last] + LITTLE * (t[last] - sim->head->front.t1), &value);
-    const int begins = u[0] != u[last] && from < t[last] && to < limit && code == GB_DONE && value == u[last];
-    for (double middle = 0.5 * (from + to); begins && code == GB_DONE && from < middle && middle < to;
+/* Halves (from, to] for where callback i comes to `rest`, or leaves it, which it `begins` to have at `to` or had at
+ * `from`; a time of rest is kept as the end of a piece: 1. */
+static int find_corner(gb_sim *sim, int i, double from, double to, double rest, int begins) {
+    const double end = sim->lanes.t[sim->method->stages];
+    int code = GB_DONE;
+    for (double middle = 0.5 * (from + to); code == GB_DONE && from < middle && middle < to;
          middle = 0.5 * (from + to)) {
+        double value;
         code = moving_value(sim, i, middle, &value);
-        *(value == u[last] ? &to : &from) = middle;
+        *((value == rest) == begins ? &to : &from) = middle;
     }
-    sim->inputs.cell_end[i] = begins && code == GB_DONE ? to : sim->inputs.cell_end[i];
-    return code == GB_DONE ? begins : code;
+    const double corner = begins ? to : from;
+    if (code == GB_DONE && corner > sim->head->front.t1 && corner < end) {
+        sim->inputs.cell_end[i] = corner;
+        return 1;
+    }
+    return code;
+}
+
+/* Callback i stays as it is at the start of the step for a while, or at its end, and not at both: what is exactly on
+ * the limit of a condition begins to be so there, or ceases to. */
+static int find_rest(gb_sim *sim, int i, const double *t, const double *u) {
+    const int last = sim->method->stages;
+    const double start = sim->head->front.t1, little = LITTLE * (t[last] - start);
+    double soon, later, left = t[last], came = start;
+    if (u[0] == u[last] || sim->inputs.cell_end[i] < HUGE_VAL) {
+        return GB_DONE;
+    }
+    int code = moving_value(sim, i, start + little, &soon);
+    code = code == GB_DONE ? moving_value(sim, i, t[last] + little, &later) : code;
+    if (code != GB_DONE) {
+        return code;
+    }
+    for (int l = 0; l <= last; l++) {
+        left = u[l] != u[0] ? gb_min(left, t[l]) : left;
+        came = u[l] != u[last] ? gb_max(came, t[l]) : came;
+    }
+    if (soon == u[0]) {
+        return find_corner(sim, i, start, left, u[0], 0);
+    }
+    return later == u[last] ? find_corner(sim, i, came, t[last], u[last], 1) : GB_DONE;
 }
 
 int gb_callback_jumps(gb_sim *sim, double limit) {
@@ -197,7 +217,7 @@ int gb_callback_jumps(gb_sim *sim, double limit) {
         if (sim->inputs.source[i].kind == GB_CALLBACK &&
             most_change(t, u, sim->method->stages + 1, &from, &to, &largest) > sim->head->options.rtol * largest) {
             int jumps = find_jump(sim, i, limit, t[from], t[to], u[from], u[to]);
-            jumps = jumps == 0 && sim->model->n_exact_timed > 0 ? find_rest(sim, i, limit, t, u) : jumps;
+            jumps = jumps == 0 && sim->model->n_exact_timed > 0 ? find_rest(sim, i, t, u) : jumps;
             found = jumps != 0 ? jumps : found;
         }
     }

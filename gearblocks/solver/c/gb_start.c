@@ -194,6 +194,9 @@ static int start_modes(gb_sim *sim, int fresh) {
     if (code == GB_DONE && model->n_affine > 0) {
         code = start_on_limits(sim);
     }
+    if (code == GB_DONE) {
+        code = gb_settle_exact_limits(sim, 0);
+    }
     return code == GB_DONE ? gb_depart(sim, fresh ? GB_FROM_REST : GB_GOING_ON, 1) : code;
 }
 
@@ -265,5 +268,5 @@ int gb_apply_changes(gb_sim *sim) {
     if (code == GB_DONE) {
         code = gb_settle_on_limits(sim);
     }
-    return code == GB_DONE ? gb_settle_exact_limits(sim) : code;
+    return code == GB_DONE ? gb_settle_exact_limits(sim, 1) : code;
 }

@@ -41,6 +41,8 @@ ramp = gb.Table([0, 1, 2, 3], [1, 0, 0, 1])(t)
 """It comes to 0, stays, and leaves it again."""
 rise = gb.Table([0, 1, 2, 3], [-1, 0, 0, -1])(t)
 
+swings = gb.Table([0, 0.5, 1, 1.5, 3], [0, 1, -1, 1, 1])(t)
+
 # law, speed after 3 s from rest, with an inertia of 1
 HELD = {
     "pressed": (_on(pedal > 0), 10),
@@ -76,6 +78,10 @@ HELD = {
     "has come down": (_on(gb.maximum(1 - t, 0) <= 0), 20),
     "touches 0": (_on(abs(t - 1) > 0), 30),
     "passes 0": (_on(t - 1 > 0), 20),
+    "carried back as it comes there": (_on(swings > gb.Heaviside(swings)), 0),
+    "two thresholds at one speed": (_on(ramp + 2 * gb.Heaviside(1 - t) >= 2 + ramp * gb.Heaviside(1 - t)), 10),
+    "a difference of nothing": (_on(gb.Heaviside(pedal - pedal) >= 1), 30),
+    "falls off a step as the run begins": (_on(gb.Table([0, 1], [0, 5], "step")(1 - pedal * t - t / 9) < 5), 30),
     "a function that fades": (_on(fades > 0), 7),
     "a function that is clipped": (_on(clipped >= 1), 23),
 }
