@@ -121,8 +121,9 @@ def _predictions(g: Generator, code: BatchCode) -> None:
             g.table_switches.append((first, code.n, name))
         if code.law.switches[i].of_slip:
             g.slip_switches += range(first, first + code.n)
-        if code.law.switches[i].at_zero is not None and sort in ("affine", "general"):
-            exact = g.exact_moving if code.law.switches[i].level == MOVING else g.exact_timed
+        timed = code.law.switches[i].level != MOVING
+        if sort in ("affine", "general") and (timed or code.law.switches[i].at_zero is not None):
+            exact = g.exact_timed if timed else g.exact_moving
             exact += range(first, first + code.n)
         if code.law.switches[i].at_zero == 0:
             g.strict_switches.append((first, code.n))

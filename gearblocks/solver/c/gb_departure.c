@@ -51,11 +51,14 @@ static int mark(gb_sim *sim) {
     const gb_model *model = sim->model;
     int count = 0, code = gb_event_functions_now(sim);
     for (int i = 0; i < model->n_event_functions && code == GB_DONE; i++) {
-        const int decided = sim->events.armed[i] != 0.0 || sim->events.stayed[i] == sim->head->front.t1;
-        const int free = sim->events.role[i] == GB_ORDINARY && !decided;
+        const int free = sim->events.role[i] == GB_ORDINARY && sim->events.armed[i] == 0.0;
         const double held = sim->events.held_side[i];
         sim->events.side[i] = held != 0.0 ? held : free ? stands_on(sim, i) : 0.0;
         count += sim->events.side[i] != 0.0;
+    }
+    for (int k = 0; k < model->n_exact_timed && code == GB_DONE; k++) { /* see gb_exact_limit.h */
+        count -= sim->events.side[model->exact_switches[k]] != 0.0;
+        sim->events.side[model->exact_switches[k]] = 0.0;
     }
     count += code == GB_DONE ? mark_forces(sim) : 0;
     if (code != GB_DONE || count == 0 || model->n_affine == 0) {

@@ -22,7 +22,7 @@ static int is_asked(const gb_sim *sim, int k) {
     const int i = sim->model->exact_switches[k], back = is_back(sim, i, sim->events.s[i]) != 0.0;
     const double s = sim->events.s[i];
     const int there = s == sim->events.lo[i] || s == sim->events.hi[i] || (back && k < sim->model->n_exact_timed);
-    return there && sim->events.role[i] == GB_ORDINARY && !gb_slides(sim, i);
+    return there && s - s == 0.0 && sim->events.role[i] == GB_ORDINARY && !gb_slides(sim, i);
 }
 
 static int any_is_asked(const gb_sim *sim) {
@@ -79,9 +79,6 @@ static double mode_from(gb_sim *sim, int k, double soon, double later) {
     const int stays = soon == s && later == s, goes = fabs(later - s) >= FARTHER * fabs(soon - s) && soon != s;
     if (moves && (!stays || since <= PATIENCE * sim->head->control.h_largest)) {
         return sim->mode[i];
-    }
-    if (!moves && (stays || goes)) { /* so that nothing that looks farther ahead decides about it */
-        sim->events.stayed[i] = sim->head->front.t1;
     }
     return stays ? sim->model->mode_at(sim->par, i, s) : goes ? sim->model->mode_at(sim->par, i, soon) : sim->mode[i];
 }

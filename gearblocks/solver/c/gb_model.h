@@ -143,7 +143,7 @@ typedef struct gb_model {
     void (*mode_limits)(const double *par, const double *mode, double *lo, double *hi);
 
     /* The mode of switch i where its event function is s. A limit belongs to the upper mode, but 0 of a strict
-     * condition. exact_switches: those with which it matters how it is where s stays on a limit, first those that time
+     * condition. exact_switches: those of which it is asked how they are where s stays on a limit, first all that time
      * and inputs alone move. */
     double (*mode_at)(const double *par, int i, double s);
     int n_exact_timed, n_exact_switches;

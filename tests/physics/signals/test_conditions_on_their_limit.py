@@ -11,8 +11,8 @@ import gearblocks as gb
 
 METHODS = ["dp5", "dp8", "rodas", "auto"]
 t = gb.time
-pedal, gear, third, up, fades, clipped, other = (
-    gb.Input(name) for name in ("pedal", "gear", "third", "up", "fades", "clipped", "other")
+pedal, gear, share, up, fades, clipped, other = (
+    gb.Input(name) for name in ("pedal", "gear", "share", "up", "fades", "clipped", "other")
 )
 none = gb.Parameter("none", 0.0)
 
@@ -30,7 +30,7 @@ def _held(*levels: float) -> gb.Table:
 INPUTS = {
     "pedal": _held(0, 1, 0),
     "gear": _held(1, 2, 3),
-    "third": _held(1 / 3, 2 / 3, 1 / 3),
+    "share": _held(0.9, 1.8, 0.9),  # 0.3 and 0.7 of 0.9 are more
     "up": _held(-1, 0, 1),
     "other": _held(1, 1, 0),
     "fades": lambda time: max(0.0, 1.0 - time / 0.7),
@@ -53,8 +53,8 @@ HELD = {
     "above the first": (_on(gear > 1), 20),
     "up to the second": (_on(gear <= 2), 20),
     "below the second": (_on(gear < 2), 10),
-    "not above a third": (_on(third <= 1 / 3), 20),
-    "above a third": (_on(third > 1 / 3), 10),
+    "not above a share": (_on(share <= 0.9), 20),
+    "above a share": (_on(share > 0.9), 10),
     "forward, backward, neither": (gb.piecewise((10, up > 0), (-7, up < 0), (5, True)), 8),
     "sign": (10 * np.sign(up) + 2, 6),
     "sign of a pedal": (10 * np.sign(pedal), 10),
@@ -66,6 +66,7 @@ HELD = {
     "times a wave": (_on(pedal * gb.sin(t + 0.1) > 0), 10),
     "a size": (_on(abs(up) > 0), 20),
     "the larger of both": (_on(gb.maximum(up, 0) > 0), 10),
+    "no larger than the larger": (_on(gb.maximum(t / 3.1, gear) > gear), 0),
     "unit step": (10 * gb.Heaviside(gear - 2), 20),
     "a step table": (step(gear), 60),
     "a step table over one": (step(gb.Table([0, 1, 2], [1, 2, 3], "step")(t)), 60),
