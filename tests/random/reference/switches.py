@@ -58,11 +58,11 @@ class Switches:
         self.mode.append(1)
         return len(self.value) - 1
 
-    def __call__(self, i: int, value: float) -> int:
-        """Notes the value; the frozen mode."""
+    def __call__(self, i: int, value: float, at_zero: int = 1) -> int:
+        """Notes the value; the frozen mode. at_zero: that of a value that begins at 0."""
         self.value[i] = value
         if self.fresh:
-            self.mode[i] = 1 if value >= 0 else 0
+            self.mode[i] = 1 if value > 0 else at_zero if value == 0 else 0
         return self.mode[i]
 
     def margins(self) -> list[float]:
@@ -228,9 +228,9 @@ class Compiler:
             return lambda c: not a[0](c)
         i = sw.new() if op not in ("either", "cases") else -1
         if op == "<":
-            return lambda c: sw(i, a[1](c) - a[0](c))
+            return lambda c: sw(i, a[1](c) - a[0](c), at_zero=0)
         if op == ">":
-            return lambda c: sw(i, a[0](c) - a[1](c))
+            return lambda c: sw(i, a[0](c) - a[1](c), at_zero=0)
         if op in ("either", "cases"):
 
             def choose(c: Context) -> float:
