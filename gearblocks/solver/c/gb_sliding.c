@@ -178,7 +178,8 @@ static int leave_limits(gb_sim *sim, int fails, int turns) {
         }
         const int way = gb_limit_moves(sim, j, sim->y, 1);
         if (way != 0 || (resting < 0 && fails) || (resting == GB_HELD && turns)) {
-            const double s = sim->events.s[i];
+            const double s =
+                sim->events.s[i] == 0.0 ? DBL_MIN : sim->events.s[i]; /* where it stands it does not stay */
             gb_leave_sliding(sim, i, way != 0 ? sim->mode[i] + (way > 0) : sim->model->mode_at(sim->par, i, s));
             return 1;
         }
