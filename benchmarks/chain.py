@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,7 @@ def scipy_rows(p: P4, t: Array, reference: Array, rtols: tuple[float, ...], meth
     more: dict[str, Any] = {"jac": jacobian(p)} if method == "Radau" else {}
     for rtol in rtols:
         options = more | {"rtol": rtol, "atol": rtol * p.scale, "t_eval": t}
-        seconds, run = cpu_seconds(lambda: run_ivp(f, (0.0, t[-1]), p.start, method=method, **options))  # noqa: B023
+        seconds, run = cpu_seconds(partial(run_ivp, f, (0.0, t[-1]), p.start, method=method, **options))
         error = relative_error(p.relative(run.y.T), reference)
         yield f"{words} {rtol:.0e}", seconds, error, f"{run.nfev} calls, {run.nlu} factorisations"
 
@@ -88,5 +89,5 @@ def casadi(p: P4, t: Array, reference: Array, rtols: tuple[float, ...]) -> Itera
     for rtol in rtols:
         options = {"reltol": rtol, "abstol": 1e-3 * rtol, "max_num_steps": 10_000_000}
         integrator = ca.integrator("run", "cvodes", model, 0.0, t.tolist(), options)
-        seconds, final = cpu_seconds(lambda: np.array(integrator(x0=p.start)["xf"]).T)  # noqa: B023
-        yield f"casadi CVODES {rtol:.0e}", seconds, relative_error(p.relative(final), reference), ""
+        seconds, run = cpu_seconds(partial(integrator, x0=p.start))
+        yield f"casadi CVODES {rtol:.0e}", seconds, relative_error(p.relative(np.array(run["xf"]).T), reference), ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ def states(problem: P1 | P2 | P3) -> int:
 def hand_written(problem: Problem, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
     """The C of this folder: order 8, located corners."""
     for rtol in rtols:
-        seconds, run = cpu_seconds(lambda rtol=rtol: solve(problem, t, rtol))  # type: ignore[misc]
+        seconds, run = cpu_seconds(partial(solve, problem, t, rtol))
         remark = f"{run.steps} steps, {run.rejected} rejected, {run.corners} corners, no ledger"
         yield f"hand-written C {rtol:.0e}", seconds, relative_error(problem.relative(run.y), reference), remark
 
@@ -31,7 +32,7 @@ def hand_written(problem: Problem, t: Array, reference: Array, rtols: tuple[floa
 def cvode_klu(problem: P3 | P4, t: Array, reference: Array, rtols: tuple[float, ...]) -> Iterator[Row]:
     """SUNDIALS' CVODE with a sparse analytic Jacobian and KLU, all in C."""
     for rtol in rtols:
-        seconds, run = cpu_seconds(lambda rtol=rtol: cvode(problem, t, rtol))  # type: ignore[misc]
+        seconds, run = cpu_seconds(partial(cvode, problem, t, rtol))
         remark = f"{run.steps} steps, {run.failed} failed, {run.rates} calls, {run.jacobians} Jacobians"
         yield f"CVODE + KLU {rtol:.0e}", seconds, relative_error(problem.relative(run.y), reference), remark
 
@@ -44,9 +45,7 @@ def scipy_dop853(problem: P1 | P2 | P3, t: Array, reference: Array, rtols: tuple
     f = lambdified(problem)
     for rtol in rtols:
         options: dict[str, Any] = {"method": "DOP853", "rtol": rtol, "atol": rtol * problem.scale[:n], "t_eval": t}
-        seconds, run = cpu_seconds(
-            lambda options=options: solve_ivp(f, (0.0, t[-1]), problem.start[:n], **options)  # type: ignore[misc]
-        )
+        seconds, run = cpu_seconds(partial(solve_ivp, f, (0.0, t[-1]), problem.start[:n], **options))
         yield (
             f"scipy DOP853 + lambdify {rtol:.0e}",
             seconds,
@@ -66,9 +65,7 @@ def numbalsoda(problem: P1 | P2 | P3, t: Array, reference: Array, rtols: tuple[f
         for rtol in rtols:
             options = {"rtol": rtol, "atol": 1e-3 * rtol, "mxstep": 1_000_000_000}
             solver(address, problem.start[:n], times[:2], **options)  # compiles
-            seconds, (y, fine) = cpu_seconds(
-                lambda options=options, solver=solver: solver(address, problem.start[:n], times, **options)  # type: ignore[misc]
-            )
+            seconds, (y, fine) = cpu_seconds(partial(solver, address, problem.start[:n], times, **options))
             error = relative_error(problem.relative(y[1:]), reference)
             yield f"numbalsoda {name} {rtol:.0e}", seconds, error, "" if fine else "reports failure"
 
@@ -82,5 +79,6 @@ def casadi(problem: P1 | P2 | P3, t: Array, reference: Array, rtols: tuple[float
     for rtol in rtols:
         options = {"reltol": rtol, "abstol": 1e-3 * rtol, "max_num_steps": 100_000_000}
         integrator = ca.integrator("run", "cvodes", model, 0.0, t.tolist(), options)
-        seconds, y = cpu_seconds(lambda: np.array(integrator(x0=problem.start[:n])["xf"]).T)  # noqa: B023
-        yield f"casadi CVODES {rtol:.0e}", seconds, relative_error(problem.relative(y), reference), ""
+        seconds, run = cpu_seconds(partial(integrator, x0=problem.start[:n]))
+        error = relative_error(problem.relative(np.array(run["xf"]).T), reference)
+        yield f"casadi CVODES {rtol:.0e}", seconds, error, ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -112,10 +112,8 @@ def ours(problem: Problem, t: Array, reference: Array, rtols: tuple[float, ...],
     for rtol in rtols:
         solver = whole = float("inf")
         for _ in range(10 if isinstance(problem, P1 | P3) and t[-1] < 0.1 else 1 if len(wanted) > 2000 else 4):
-            seconds, run = cpu_seconds(
-                lambda: gb.simulate(built, t=t, rtol=rtol, method=method, outputs=[name for name, _ in wanted]),  # noqa: B023
-                repeats=1,
-            )
+            once = partial(gb.simulate, built, t=t, rtol=rtol, method=method, outputs=[name for name, _ in wanted])
+            seconds, run = cpu_seconds(once, repeats=1)
             solver, whole = min(solver, run.stats.cpu_seconds), min(whole, seconds)
         y = np.column_stack([factor * run[name] for name, factor in wanted])
         stats, each = run.stats, ""
