@@ -156,6 +156,7 @@ static void recall_step(gb_sim *sim) {
         head->control.h_next = gb_max(head->events.remembered_step[slot], gb_rounding(head->front.t1, 0.0));
     } else {
         head->control.h_trusted = 0.0;
+        gb_reach_anew(sim);
     }
 }
 

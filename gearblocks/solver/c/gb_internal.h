@@ -86,7 +86,7 @@ struct gb_pace {
     double log_error;                     /* of the last accepted step, base 2 */
     double h_feature;                     /* see gb_features.h: limit of the next step, 0: none */
     double h_trusted, defect_gap;         /* dense polynomials proved right up to it; steps from look to look inside */
-    double reach_rate;                    /* the fastest rate that the last look found: see gb_reach.h */
+    double reach_rate, reach_h;           /* of the last look: the fastest rate, the step (gb_reach.h) */
     long long reach_at, reach_gap;        /* when to look again, and how many steps later once more */
     uint64_t reach_modes, noise_modes;    /* of the last look; those in which the noise was measured */
     long long noise_at, least_scale_at;   /* when noise and least scales are to be renewed */

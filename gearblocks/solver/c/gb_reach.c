@@ -3,12 +3,17 @@
 #include "gb_rates.h"
 #include "gb_vector.h"
 
-/* Most steps from one look to the next, and fewest where modes change all the time. */
-enum { SELDOM = 64, OFTEN = 12 };
+/* Most steps from one look to the next, fewest where modes change all the time, fewest of steps that grow, and those
+ * that modes have had which are new. */
+enum { SELDOM = 64, OFTEN = 12, SOON = 6, BEGUN = 4 };
 
 /* By how much a step may reach further than what a look along the iteration says, and the length of u in scales of the
  * states: differences of rates stand clear of rounding there, and the laws are straight. */
 static const double SLACK = 1.1, LENGTH = 1e-6;
+
+/* Part of the direction of a look that is of this step alone; a step so much longer than that of the last look follows
+ * what was not in it. */
+static const double MIXED = 0.03, GROWN = 2.0;
 
 /* sum a b weight^2, of the states. */
 static double product(const gb_sim *sim, const double *a, const double *b) {
@@ -45,35 +50,35 @@ static double larger_root(double uu, double uv, double vv, double uw, double vw)
     return under > 0.0 ? 0.5 * fabs(p) + sqrt(under) : sqrt(q);
 }
 
-/* u at a length of which products of four neither overflow nor underflow; uu: u u before, and returned after it. */
-static double within_range(const gb_sim *sim, double *u, double uu) {
-    if (uu > 1e-60 && uu < 1e60) {
-        return uu;
+/* 1/length, 0 where it is 0 or none; squared: the square of the length. */
+static double unit(double squared) {
+    return squared > 0.0 && squared < HUGE_VAL ? 1.0 / sqrt(squared) : 0.0;
+}
+
+/* The direction of this look in u, and its square: what the last one left, and a little of what tells two rates at the
+ * end of the step apart, each of length 1. */
+static double direction(const gb_sim *sim, double *u, double *apart) {
+    const gb_model *model = sim->model;
+    const double *end = sim->k + (size_t)sim->method->stages * (size_t)model->n_total, *last = end - model->n_total;
+    for (int i = 0; i < model->n_padded; i++) {
+        apart[i] = end[i] - last[i];
     }
-    const double unit = 1.0 / sqrt(uu);
-    for (int i = 0; i < sim->model->n_padded; i++) {
-        u[i] *= unit;
+    const double left = unit(product(sim, u, u)), fast = MIXED * unit(product(sim, apart, apart));
+    for (int i = 0; i < model->n_padded; i++) {
+        u[i] = (left > 0.0 ? left * u[i] : 0.0) + (fast > 0.0 ? fast * apart[i] : 0.0);
     }
     return product(sim, u, u);
 }
 
-/* One turn of the iteration: |lambda|, 0: not known. It begins with what the step itself did to the rates. */
+/* One turn of the iteration: |lambda|, 0: not known. */
 static double fastest_rate(gb_sim *sim) {
     const gb_model *model = sim->model;
     const size_t total = (size_t)model->n_total;
     double *u = sim->control.fast, *v = sim->events.defect, *w = v + total;
-    const double *end = sim->k + (size_t)sim->method->stages * total;
-    double uu = product(sim, u, u);
-    if (!(uu > 0.0 && uu < HUGE_VAL)) {
-        for (int i = 0; i < model->n_padded; i++) {
-            u[i] = end[i] - sim->k1[i];
-        }
-        uu = product(sim, u, u);
-    }
+    const double uu = direction(sim, u, v);
     if (!(uu > 0.0)) {
         return 0.0;
     }
-    uu = within_range(sim, u, uu);
     apply(sim, u, uu, v);
     const double vv = product(sim, v, v);
     if (!(vv > 0.0)) {
@@ -88,6 +93,13 @@ static double fastest_rate(gb_sim *sim) {
     return rate < HUGE_VAL ? rate : 0.0;
 }
 
+int gb_reach_is_due(const gb_sim *sim, double h) {
+    const struct gb_pace *control = &sim->head->control;
+    const long long steps = sim->head->counts.steps, looked = control->reach_at - control->reach_gap;
+    return sim->method->reach > 0.0 &&
+           (steps >= control->reach_at || (steps >= looked + SOON && h > GROWN * control->reach_h));
+}
+
 double gb_log_reach(gb_sim *sim, double h) {
     struct gb_pace *control = &sim->head->control;
     const double reach = sim->method->reach, before = control->reach_rate;
@@ -95,6 +107,7 @@ double gb_log_reach(gb_sim *sim, double h) {
     const int settled = fabs(rate - before) < 0.2 * before;
     const int other = before > 0.0 && control->reach_modes != sim->head->events.mode_hash;
     control->reach_modes = sim->head->events.mode_hash;
+    control->reach_h = h;
     control->reach_rate = other ? gb_max(rate, before) : rate;
     control->reach_gap = settled ? (2 * control->reach_gap < SELDOM ? 2 * control->reach_gap : SELDOM)
                          : other ? OFTEN
@@ -108,5 +121,14 @@ void gb_reach_changed(gb_sim *sim) {
     if (gb_is_held_by_reach(sim, control->h_next)) {
         const long long soonest = control->reach_at - control->reach_gap + OFTEN;
         control->reach_at = soonest < control->reach_at ? soonest : control->reach_at;
+    }
+}
+
+void gb_reach_anew(gb_sim *sim) {
+    struct gb_pace *control = &sim->head->control;
+    const long long soon = sim->head->counts.steps + BEGUN;
+    if (soon < control->reach_at) {
+        control->reach_at = soon;
+        control->reach_gap = 1;
     }
 }

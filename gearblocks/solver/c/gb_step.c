@@ -150,7 +150,7 @@ static double other_errors(gb_sim *sim, double h, double error) {
     if (error <= 0.0 && model->n_massless > 0 && sim->method->gamma == 0.0) {
         error = gb_account_worse(sim, error, gb_log_massless_error(sim, h, error), GB_BY_MASSLESS);
     }
-    if (error <= 0.0 && gb_reach_is_due(sim)) {
+    if (error <= 0.0 && gb_reach_is_due(sim, h)) {
         error = gb_account_worse(sim, error, gb_log_reach(sim, h), GB_BY_REACH);
     }
     if (error <= 0.0 && gb_imbalance_is_due(sim, h)) {
