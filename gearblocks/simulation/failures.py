@@ -65,17 +65,18 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
 
 def _free_flange(program: Program, sim: Simulation) -> str | None:
     """A flange of friction at a shaft without inertia, or else of an element between two flanges, whose speed has no number
-    where a run stopped."""
+    where a run stopped, or shortly ahead."""
     slips, names = {slip.component for slip in program.algebraic_slips}, program.output_numbers
-    values = next(_ahead(sim, len(program.switches)), None)
-    if values is None:
-        return None
     flanges = [n.removesuffix(".w") for n in names if n.endswith(".w") and f"{n.removesuffix('.w')}.tau" in names]
     count = Counter(flange.rpartition(".")[0] for flange in flanges)
-    free = [flange for flange in flanges if np.isnan(values[names[f"{flange}.w"]])]
-    alone = any(count[flange.rpartition(".")[0]] == 1 for flange in free)  # of a source that may have no number itself
-    first = (flange for flange in free if flange.rpartition(".")[0] in slips)
-    return next(first, None) or (None if alone else next(iter(free), None))
+    for values in _ahead(sim, len(program.switches)):
+        free = [flange for flange in flanges if np.isnan(values[names[f"{flange}.w"]])]
+        # a source may have no number itself
+        sources = [flange for flange in free if count[flange.rpartition(".")[0]] == 1]
+        first = next((flange for flange in free if flange.rpartition(".")[0] in slips), None)
+        if first or free:
+            return first or (None if sources else free[0])
+    return None
 
 
 def _has_no_speed(program: Program, sim: Simulation, element: str) -> bool:
@@ -108,7 +109,7 @@ def _source(program: Program, sim: Simulation) -> tuple[str, str] | None:
 
 
 def _ahead(sim: Simulation, switches: int) -> Iterator[Array]:
-    """All outputs where a run stopped, in its modes if it began, and with the state as it would be a little later."""
+    """All outputs where a run stopped, in its modes if it began, with states a little later, and beside those as stages are."""
     t, modes = sim.report.t, np.zeros(switches)
     try:
         y = sim.state(stopped=True)
@@ -118,6 +119,7 @@ def _ahead(sim: Simulation, switches: int) -> Iterator[Array]:
         rates = sim.probe(t, y, modes, "rates")
         for seconds in (1e-9, 1e-6, 1e-3):
             yield sim.probe(t, y + seconds * rates, modes, "outputs")
+        yield sim.probe(t, y + 1e-6 * rates * np.linspace(0.5, 1.5, len(y)), modes, "outputs")
     except (RuntimeError, ArithmeticError, ValueError):
         sim.raise_end()
 

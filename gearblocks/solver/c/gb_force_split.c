@@ -173,11 +173,55 @@ static double gb_split_of_any_sides(const gb_lcp *problem, const int *is_own, co
     return left;
 }
 
+/* Of those that take part the least one of each block, which acts on none outside of it: trains beside each other, or
+ * parts of one that nothing couples. */
+static void blocks_of(const gb_delassus *W, const int *in, int *block) {
+    int column[W->n + 1];
+    double value[W->n + 1];
+    for (int i = 0; i < W->n; i++) {
+        block[i] = i;
+    }
+    for (int more = 1; more;) {
+        more = 0;
+        for (int i = 0; i < W->n; i++) {
+            for (int c = in[i] ? gb_delassus_row(W, i, column, value) - 1 : -1; c >= 0; c--) {
+                const int j = column[c];
+                if (in[j] && value[c] != 0.0 && block[i] != block[j]) {
+                    block[i] = block[j] = block[i] < block[j] ? block[i] : block[j];
+                    more = 1;
+                }
+            }
+        }
+    }
+}
+
+/* The members of a block of those that take part; returns whether there are any. */
+static int members_of(int n, const int *in, const int *block, int least, int *member) {
+    int any = 0;
+    for (int i = 0; i < n; i++) {
+        member[i] = in[i] && block[i] == least;
+        any = any || member[i];
+    }
+    return any;
+}
+
 void gb_split_at_rest(const gb_lcp *problem, const double *b, const gb_force_bounds *bounds, double *force) {
     const int n = problem->A.n;
-    int is_own[n + 1];
+    int is_own[n + 1], block[n + 1], member[n + 1];
+    double split[n + 1];
+    gb_lcp one = *problem;
+    one.in = member;
     memset(is_own, 0, sizeof is_own);
-    gb_split_of_any_sides(problem, is_own, b, bounds, force, NULL, HUGE_VAL, force);
+    blocks_of(&problem->A, problem->in, block);
+    for (int least = 0; least < n; least++) {
+        if (members_of(n, problem->in, block, least, member)) {
+            memcpy(split, force, sizeof(double) * (size_t)n);
+            gb_split_of_any_sides(&one, is_own, b, bounds, force, NULL, HUGE_VAL, split);
+            for (int i = 0; i < n; i++) {
+                force[i] = member[i] ? split[i] : force[i];
+            }
+        }
+    }
 }
 
 /* The largest slip acceleration against which forces that the motion does not tell hold; x: room. */
@@ -228,21 +272,40 @@ static double gb_split_room(const gb_lcp *problem, const int *is_own, const gb_f
     return fits ? fmin(left, -room) : -room - GB_ROUNDING * load;
 }
 
-void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
-              double *force, double *violation) {
+/* The split of a block of the active constraints. */
+static void split_block(const gb_delassus *W, gb_active_set *a, const int *member, const gb_force_bounds *bounds,
+                        double *force, double *violation) {
     const int n = W->n;
-    const gb_lcp problem = {*W, is_active, NULL, a->room, 0, NULL};
+    const gb_lcp problem = {*W, member, NULL, a->room, 0, NULL};
     double b[n + 1], x[n + 1], ignored = 0.0;
     int is_own[n + 1];
     for (int i = 0; i < n; i++) {
         is_own[i] = a->redundant[i] == 0.0;
-        b[i] = is_active[i] ? -gb_delassus_product(W, i, force, &ignored) : 0.0;
+        b[i] = member[i] ? -gb_delassus_product(W, i, force, &ignored) : 0.0;
     }
     gb_split_by_sides(&problem, is_own, b, bounds, force, x);
     const double left =
         gb_split_room(&problem, is_own, bounds, force, gb_split_left(&problem, is_own, b, bounds, force, x), x);
     for (int i = 0; i < n; i++) {
-        force[i] = is_active[i] ? x[i] : force[i];
-        violation[i] = left;
+        force[i] = member[i] ? x[i] : force[i];
+        violation[i] = member[i] ? left : violation[i];
+    }
+}
+
+void gb_split(const gb_delassus *W, gb_active_set *a, const int *is_active, const gb_force_bounds *bounds,
+              double *force, double *violation) {
+    const int n = W->n;
+    int block[n + 1], member[n + 1];
+    blocks_of(W, is_active, block);
+    for (int least = 0; least < n; least++) {
+        int redundant = 0;
+        if (members_of(n, is_active, block, least, member)) {
+            for (int i = 0; i < n; i++) {
+                redundant = redundant || (member[i] && a->redundant[i] != 0.0);
+            }
+        }
+        if (redundant) {
+            split_block(W, a, member, bounds, force, violation);
+        }
     }
 }
