@@ -270,10 +270,12 @@ def _near(name: str) -> str:
     """What to do about a name that is not there; names with an underscore are asked for by machines, in great number."""
     if name.startswith("_"):
         return ""
-    from gearblocks.errors import ELSEWHERE, did_you_mean
+    from gearblocks.errors import ELSEWHERE, OF_NUMPY, did_you_mean
 
     if name in ELSEWHERE:
         return f"; here it is gb.{ELSEWHERE[name]}"
+    if name in OF_NUMPY:
+        return f"; np.{OF_NUMPY[name]} of numpy takes expressions such as gb.time"
     alike = [known for known in __all__ if known[0].isupper() == name[0].isupper()]
     return f"; dir({__name__}) lists its names{did_you_mean(name, alike) or did_you_mean(name, __all__)}"
 

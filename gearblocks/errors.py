@@ -298,11 +298,18 @@ ELSEWHERE = {
     "ConstantSpeed": "Speed", "HeatCapacitor": "ThermalMass", "ThermalConductor": "ThermalConductance",
     "Convection": "ThermalConductance", "CombiTimeTable": "Table", "Pulse": "pulse", "Trapezoid": "trapezoid",
     "Planetary": "IdealPlanetary",
-    "Motor": "Torque", "Signal": "Input", "Constant": "Parameter", "min": "minimum", "max": "maximum", "where": "piecewise",
+    "Motor": "Torque", "Signal": "Input", "Constant": "Parameter", "min": "minimum", "max": "maximum", "Min": "minimum",
+    "Max": "maximum", "Piecewise": "piecewise", "where": "piecewise", "select": "piecewise", "if_else": "piecewise",
     "load": "Trajectory.load", "run": "simulate", "solve": "simulate", "Simulation": "simulate", "Train": "Drivetrain",
     "System": "Drivetrain", "eigenmodes": "modes",
 }  # fmt: skip
 """What other packages call a thing, and its name here."""
+
+OF_NUMPY = {
+    "atan": "arctan", "arctan": "arctan", "atan2": "arctan2", "arctan2": "arctan2", "asin": "arcsin", "arcsin": "arcsin",
+    "acos": "arccos", "arccos": "arccos", "sinh": "sinh", "cosh": "cosh", "sign": "sign", "abs": "abs", "power": "power",
+}  # fmt: skip
+"""Functions that have no name here: numpy's take expressions."""
 
 
 def by_name(what: str, values: Any) -> Mapping[str, Any]:

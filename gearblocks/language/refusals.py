@@ -17,8 +17,8 @@ def condition_asked(condition: object) -> ConditionError:
     """The error of a condition whose truth is asked before any run."""
     return ConditionError(
         f"'{condition}' is a condition, not a truth: in place of if or np.where write gb.piecewise((value, condition), "
-        "(other, True)), in place of and, or, not write & and | and ~ with each condition in brackets, in place of a < x < b "
-        "write (a < x) & (x < b)"
+        "(other, True)), in place of max and min gb.maximum and gb.minimum, in place of and, or, not write & and | and ~ with "
+        "each condition in brackets, in place of a < x < b write (a < x) & (x < b)"
     )
 
 
@@ -134,6 +134,10 @@ class NoWholeNumbers:
         _refuse(f"trunc({_words(self)})")
 
     def __round__(self, digits: int | None = None) -> NoReturn:
+        _refuse(f"round({_words(self)})")
+
+    def rint(self) -> NoReturn:
+        """What np.round asks for."""
         _refuse(f"round({_words(self)})")
 
 

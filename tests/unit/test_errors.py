@@ -10,11 +10,13 @@ from operator import attrgetter
 from types import FunctionType
 from typing import Any
 
+import numpy as np
 import pytest
 
 import gearblocks as gb
 from gearblocks.errors import (
     ELSEWHERE,
+    OF_NUMPY,
     CompileError,
     ModelError,
     ParameterError,
@@ -25,6 +27,7 @@ from gearblocks.errors import (
     did_you_mean,
     misfit,
 )
+from gearblocks.language.expression import evaluate
 
 
 def test_a_model_error_lists_every_problem() -> None:
@@ -116,6 +119,15 @@ def test_what_other_packages_call_a_thing_is_no_name_here_and_leads_to_one(name:
     with pytest.raises(AttributeError, match=f"here it is gb.{ELSEWHERE[name]}$"):
         getattr(gb, name)
     assert attrgetter(ELSEWHERE[name])(gb) is not None
+
+
+@pytest.mark.parametrize("name", OF_NUMPY)
+def test_a_function_that_is_numpys_is_found_there_and_takes_expressions(name: str) -> None:
+    with pytest.raises(AttributeError, match=f"np.{OF_NUMPY[name]} of numpy takes expressions"):
+        getattr(gb, name)
+    function = getattr(np, OF_NUMPY[name])
+    others = [0.5] * (function.nin - 1)
+    assert evaluate(function(gb.time, *others), lambda _: 0.25) == pytest.approx(function(0.25, *others), rel=1e-15)
 
 
 @arguments_told
