@@ -90,6 +90,7 @@ ALONE = (
     "gb_enclosure.h",
     "gb_enclosed_table.h",
     "gb_vector.h",
+    "gb_values_for.h",
     "gb_tangent_room.h",
     "gb_lane.h",
     "gb_lane_run.h",

@@ -1,4 +1,5 @@
 #include "gb_limit_noise.h"
+#include "gb_values_for.h"
 #include "gb_vector.h"
 
 /* Most of sum |ds/dy_j| over any event function: what is farther from its limit is not looked at closely. */
@@ -28,20 +29,20 @@ static int is_held(gb_sim *sim, int i, double distance, const double *time_terms
     if (size == 0.0 || model->n_constraints == 0 || sim->mode[model->n_switches] == 0.0) {
         return 0;
     }
-    model->event_functions(sim->par, sim->mode, time_terms, y, s);
+    gb_values_for(sim, i, time_terms, y, s);
     const double here = s[i];
     memcpy(moved, y, sizeof(double) * (size_t)model->n_total);
     move(moved, 0, speeds, size);
-    model->event_functions(sim->par, sim->mode, time_terms, moved, s);
+    gb_values_for(sim, i, time_terms, moved, s);
     if (s[i] != here) {
         return 0;
     }
     memcpy(moved, y, sizeof(double) * (size_t)model->n_total);
     move(moved, speeds, model->n, size);
-    model->event_functions(sim->par, sim->mode, time_terms, moved, s);
+    gb_values_for(sim, i, time_terms, moved, s);
     const double free = fabs(s[i] - here);
     model->project_velocities(sim->par, sim->mode, time_terms, moved);
-    model->event_functions(sim->par, sim->mode, time_terms, moved, s);
+    gb_values_for(sim, i, time_terms, moved, s);
     return fabs(distance) <= ROUNDING * free && fabs(s[i] - here) < 1e-9 * free;
 }
 
@@ -67,14 +68,14 @@ int gb_is_noise(gb_sim *sim, int i, double distance, const double *time_terms, c
     if (fabs(distance) <= DBL_MIN) { /* what has faded so far has no digits left */
         return 1;
     }
-    model->event_functions(sim->par, sim->mode, time_terms, y, s);
+    gb_values_for(sim, i, time_terms, y, s);
     const double here = s[i];
     memcpy(moved, y, sizeof(double) * (size_t)model->n_total);
     for (int j = 0; j < model->n; j++) {
         const double size = gb_max(fabs(y[j]), fabs(other[j]));
         if (size > 0.0) {
             moved[j] = y[j] + 1e-6 * size;
-            model->event_functions(sim->par, sim->mode, time_terms, moved, s);
+            gb_values_for(sim, i, time_terms, moved, s);
             noise += 64e6 * DBL_EPSILON * fabs(s[i] - here);
             moved[j] = y[j];
         }
@@ -92,13 +93,13 @@ static int has_not_moved(const gb_sim *sim, int j) {
 int gb_is_noise_of_rates(gb_sim *sim, int i, double distance, const double *time_terms, const double *y) {
     const gb_model *model = sim->model;
     double noise = 0.0, *s = sim->events.moved, *moved = sim->z2;
-    model->event_functions(sim->par, sim->mode, time_terms, y, s);
+    gb_values_for(sim, i, time_terms, y, s);
     const double here = s[i];
     memcpy(moved, y, sizeof(double) * (size_t)model->n_total);
     for (int j = 0; j < model->n; j++) {
         moved[j] = y[j] + sim->head->front.h * sim->control.noise[j];
         if (moved[j] != y[j] && has_not_moved(sim, j)) {
-            model->event_functions(sim->par, sim->mode, time_terms, moved, s);
+            gb_values_for(sim, i, time_terms, moved, s);
             noise += fabs(s[i] - here);
         }
         moved[j] = y[j];

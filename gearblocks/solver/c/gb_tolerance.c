@@ -1,4 +1,5 @@
 #include "gb_tolerance.h"
+#include "gb_values_for.h"
 
 /* The tolerance of state j; 0 where it has none (never moved, or steps are prescribed). */
 static double tolerance(const gb_sim *sim, int j) {
@@ -23,7 +24,7 @@ static void add_tolerances(gb_sim *sim, int first, int count, int which, const d
                                             : 1;
         if (size > 0.0 && counts) {
             changed[j] += size;
-            model->event_functions(sim->par, sim->mode, time_terms, changed, moved);
+            gb_values_for(sim, first + count - 1, time_terms, changed, moved);
             for (int i = 0; i < count; i++) {
                 sum[i] += fabs(moved[first + i] - sim->events.s[first + i]);
             }
