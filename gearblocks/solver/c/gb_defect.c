@@ -2,6 +2,7 @@
 #include "gb_dense_output.h"
 #include "gb_error_control.h"
 #include "gb_features.h"
+#include "gb_massless_error.h"
 #include "gb_rates.h"
 #include "gb_rosenbrock.h"
 #include "gb_time_terms.h"
@@ -10,6 +11,10 @@
 /* How many tolerances the error inside a step that moves no feature may have, by how much more a step that was looked
  * at is trusted at most, and after how many steps that are held back one is looked at again: fewest, and most. */
 static const double DENSE = 4.0, MOST_TRUSTED = 2.0, OFTEN = 2.0, SELDOM = 32.0;
+
+/* Where the defect of massless speeds is looked at besides: it passes zero elsewhere than that at the other point. Half
+ * as many tolerances are allowed there: from one look to the next such an error grows faster. */
+static const double OF_MASSLESS = 0.5;
 
 /* Of an implicit step of size h that moves a feature: log2 of the integral of its defect. */
 static double log_integral(gb_sim *sim, double h) {
@@ -55,11 +60,21 @@ double gb_largest_defect(const gb_sim *sim, const double *d, double h) {
     return worst;
 }
 
+/* h times the defect at theta, in the place of the rates there; 0: the inputs cannot be had. */
+static int defect_at(gb_sim *sim, double theta, double h) {
+    double *slope = sim->events.defect, *rate = slope + sim->model->n_total;
+    const int had = gb_slopes_at(sim, theta, h);
+    for (int i = 0; i < sim->model->n && had; i++) {
+        rate[i] = slope[i] - h * rate[i];
+    }
+    return had;
+}
+
 double gb_log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;
     const double theta = sim->method->defect[0], allowed = gb_moves_feature(sim, h) ? 1.0 : DENSE;
-    const double factor = sim->method->defect[1] / allowed;
-    double worst = 0.0, *slope = sim->events.defect, *rate = slope + sim->model->n_total;
+    const double factor = sim->method->defect[1] / allowed, massless = 2.0 / allowed;
+    double worst = 0.0, *rate = sim->events.defect + sim->model->n_total;
     if (sim->method->gamma > 0.0) {
         return log_integral(sim, h);
     }
@@ -68,13 +83,13 @@ double gb_log_defect(gb_sim *sim, double h) {
     }
     head->front.t0 = head->front.t1;
     head->front.h = h;
-    if (gb_dense_complete(sim) == GB_DONE && gb_slopes_at(sim, theta, h)) {
-        for (int i = 0; i < sim->model->n; i++) {
-            rate[i] = slope[i] - h * rate[i];
-        }
-        worst = gb_largest_defect(sim, rate, h);
+    if (gb_dense_complete(sim) == GB_DONE && defect_at(sim, theta, h)) {
+        worst = gb_max(factor * gb_largest_defect(sim, rate, h), massless * gb_largest_massless_defect(sim, rate, h));
     }
-    const double error = gb_rough_log2(factor * worst + 1e-30);
+    if (sim->model->n_massless > 0 && defect_at(sim, OF_MASSLESS, h)) {
+        worst = gb_max(worst, massless * gb_largest_massless_defect(sim, rate, h));
+    }
+    const double error = gb_rough_log2(worst + 1e-30);
     if (error > 0.0) {
         head->front.h = 0.0;
         head->front.have_dense = 0;

@@ -15,6 +15,11 @@ static int has_massless_rate(const gb_sim *sim, int i) {
     return 0;
 }
 
+/* What counts as no error of the speed in the rate of state i. */
+static double weight_of(const gb_sim *sim, int i) {
+    return sim->head->options.rtol * sim->control.fastest_rate[i] + sim->control.noise[i];
+}
+
 double gb_log_massless_error(gb_sim *sim, double h, double log_error) {
     const gb_model *model = sim->model;
     const size_t total = (size_t)model->n_total;
@@ -34,9 +39,21 @@ double gb_log_massless_error(gb_sim *sim, double h, double log_error) {
     for (int i = 0; i < model->n_kinematic; i++) {
         if (has_massless_rate(sim, i)) {
             fastest[i] = gb_max(fastest[i], gb_max(fabs(end[i]), fabs(sim->k1[i])));
-            const double weight = sim->head->options.rtol * fastest[i] + sim->control.noise[i];
+            const double weight = weight_of(sim, i);
             worst = weight > 0.0 ? gb_max(worst, fabs(rate[i] - end[i]) / weight) : worst;
         }
     }
     return gb_rough_log2(worst + 1e-30);
+}
+
+double gb_largest_massless_defect(const gb_sim *sim, const double *d, double h) {
+    double worst = 0.0;
+    for (int i = 0; i < sim->model->n_kinematic && sim->model->n_massless > 0; i++) {
+        const double weight = weight_of(sim, i);
+        if (weight > 0.0 && has_massless_rate(sim, i)) {
+            const double rounding = 2e3 * DBL_EPSILON * fabs(sim->events.defect[i]);
+            worst = gb_max(worst, (fabs(d[i]) - rounding) / (h * weight));
+        }
+    }
+    return worst;
 }

@@ -10,4 +10,8 @@
 /* log2 of that error; log_error: that of the states, which the estimate is scaled to. */
 double gb_log_massless_error(gb_sim *sim, double h, double log_error);
 
+/* Inside an explicit step the defect d of the dense polynomial, h times as large, has the errors of these speeds
+ * itself: the largest, in tolerances. */
+double gb_largest_massless_defect(const gb_sim *sim, const double *d, double h);
+
 #endif

@@ -4,6 +4,9 @@ drag on them the run is the limit of vanishing inertias."""
 
 from __future__ import annotations
 
+import re
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,6 +19,9 @@ BETWEEN = {
     "a clutch": lambda: gb.Clutch(capacity=8.0),
     "a lossy gear without bearing torques": lambda: gb.LossyGear(ratio=1.5, efficiency=(0.9, 0.8)),
 }
+
+
+UNTOLD = r"nothing tells how fast its side . turns, .* contact_damping='always', .* a Damper to the ground"
 
 
 def between_gaps(kind: str, beside: gb.Block | None) -> gb.Drivetrain:
@@ -42,11 +48,38 @@ def between_gaps(kind: str, beside: gb.Block | None) -> gb.Drivetrain:
     return rig
 
 
-@pytest.mark.parametrize("kind", BETWEEN)
+@cache
+def of_vanishing_inertias(kind: str) -> dict[str, np.ndarray]:
+    """The speeds of both bodies with inertias on the shafts that go to zero."""
+    light, lighter = (
+        gb.simulate(between_gaps(kind, gb.Inertia(J=J)), t=T, method="rodas", rtol=1e-8) for J in (4e-6, 1e-6)
+    )
+    return {
+        body: 2 * lighter[f"{body}.w"] - light[f"{body}.w"] for body in ("one", "other")
+    }  # in powers of the root of J
+
+
+@pytest.mark.parametrize("kind", [kind for kind in BETWEEN if "lossy" not in kind])
 def test_where_nothing_tells_how_fast_it_turns_the_run_stops_by_name_with_what_helps(kind: str) -> None:
-    what = r"nothing tells how fast its side . turns, .* contact_damping='always', .* a Damper to the ground"
-    with pytest.raises(gb.SimulationError, match=what):
+    with pytest.raises(gb.SimulationError, match=UNTOLD):
         gb.simulate(between_gaps(kind, None), t=T)
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6, 1e-8])
+@pytest.mark.parametrize("method", ["auto", "dp8", "dp5", "rodas"])
+def test_beside_a_lossy_gear_it_stops_by_name_or_is_right_where_no_step_ends_between_the_gaps(
+    method: str, rtol: float
+) -> None:
+    """A gear between two gaps passes both in an instant, and with some steps none of its modes is the one of nothing."""
+    kind = "a lossy gear without bearing torques"
+    untold = ""
+    try:
+        run = gb.simulate(between_gaps(kind, None), t=T, method=method, rtol=rtol)
+    except gb.SimulationError as stop:
+        untold, run = str(stop), stop.trajectory
+    assert not untold or re.search(UNTOLD, untold)
+    for body, limit in of_vanishing_inertias(kind).items():
+        assert np.abs(run[f"{body}.w"] - limit[: len(run.t)]).max() < 5e-4 * np.abs(limit).max()
 
 
 def test_where_a_lossy_gear_elsewhere_has_no_motion_either_the_shaft_is_named():
@@ -61,9 +94,5 @@ def test_where_a_lossy_gear_elsewhere_has_no_motion_either_the_shaft_is_named():
 @pytest.mark.few(2)
 def test_with_a_little_drag_it_is_the_limit_of_vanishing_inertias(kind: str) -> None:
     run = gb.simulate(between_gaps(kind, gb.Damper(c=1e-5)), t=T)
-    light, lighter = (
-        gb.simulate(between_gaps(kind, gb.Inertia(J=J)), t=T, method="rodas", rtol=1e-8) for J in (4e-6, 1e-6)
-    )
-    for body in ("one", "other"):
-        limit = 2 * lighter[f"{body}.w"] - light[f"{body}.w"]  # in powers of the root of J
+    for body, limit in of_vanishing_inertias(kind).items():
         assert np.abs(run[f"{body}.w"] - limit).max() < 3e-4 * np.abs(limit).max()
