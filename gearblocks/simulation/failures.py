@@ -35,6 +35,8 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         remedy = _NARROW
         if component_of(program, code, report.index) in {slip.component for slip in program.algebraic_slips}:
             remedy = f"{_FALLING}; or {_NARROW}"
+    if code == Code.ERR_CHATTER and 0 <= report.value < _CROWD and _rebounds(program, sim, report.index):
+        cause, remedy = _NO_ROOM
     if code == Code.ERR_LOSS and report.value == _TWO_MOTIONS:
         cause = _SEVERAL
     elif code == Code.ERR_LOSS and report.value == _SHARED_LOAD:
@@ -45,7 +47,7 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         if p.path.endswith((".J", ".m")) and v == 0
     ]
     of_rates = code in (Code.ERR_NAN_RATE, Code.ERR_NAN_START)
-    untold = of_rates or code in _AT_INFINITY
+    untold = of_rates or code in _AT_INFINITY or code == Code.ERR_CHATTER
     if untold and (program.algebraic_slips or not massless) and (flange := _free_flange(program, sim)):
         element, _, side = flange.rpartition(".")
         return element, f"nothing tells how fast its side {side} turns, a shaft without inertia", _FREE
@@ -61,6 +63,13 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
             return source[0], _NO_SPEED, _OF_A_LOAD + moves
         return source[0], source[1], _OF_A_SOURCE + moves
     return component_of(program, code, report.index), cause, remedy
+
+
+def _rebounds(program: Program, sim: Simulation, switch: int) -> bool:
+    """Whether the element of a switch strikes without loss."""
+    path = f"{component_of(program, Code.ERR_CHATTER, switch)}.restitution"
+    given = [v for p, v in zip(program.parameters, sim.parameters, strict=True) if p.path == path]
+    return given == [1.0]
 
 
 def _free_flange(program: Program, sim: Simulation) -> str | None:
@@ -220,6 +229,11 @@ _CROWDED = "what bounces or chatters there needs a loss, a compliance or a short
 _NARROW = (
     "its law jumps there against the motion: give the jump a width (a steep line), or beside a jump over an angle take an "
     "element that sticks (Brake, BearingFriction)"
+)
+
+_NO_ROOM = (
+    "it strikes without loss and is struck back at once, without progress of time",
+    "two limits at the same place leave no room to move in: give one of them a restitution below 1, or some room between them",
 )
 
 _TWO_MOTIONS, _SHARED_LOAD = 2.0, 3.0

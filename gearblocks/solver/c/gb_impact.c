@@ -180,12 +180,30 @@ static int find_hit(gb_sim *sim, int round, int *left) {
     return hit;
 }
 
-/* The impulses of a round that is set up, into constraints.other; slips before it are in free_acceleration. */
+static int has_impulses(gb_sim *sim) {
+    return gb_solve_problem(sim, 0) == GB_DONE && gb_refuse_contradiction(sim, 0.0) == GB_DONE;
+}
+
+/* As much as all stops of this round can ask for: that nothing goes on into them. */
+static void throw_nothing_back(gb_sim *sim) {
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        if (sim->constraints.in[i] && gb_is_stop(sim, i)) {
+            sim->constraints.right[i] = sim->constraints.slip[i];
+        }
+    }
+    sim->head->report.code = GB_DONE;
+}
+
+/* The impulses of a round that is set up, into constraints.other; slips before it are in free_acceleration. Between two
+ * stops that leave no room, no speed is the one that either throws back: what is left of it is taken. */
 static int strike(gb_sim *sim) {
     const size_t size = sizeof(double) * (size_t)sim->model->n_constraints;
     sim->model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-    if (gb_solve_problem(sim, 0) != GB_DONE || gb_refuse_contradiction(sim, 0.0) != GB_DONE) {
-        return sim->head->report.code;
+    if (!has_impulses(sim)) {
+        throw_nothing_back(sim);
+        if (!has_impulses(sim)) {
+            return sim->head->report.code;
+        }
     }
     memcpy(sim->constraints.other, sim->constraints.force, size);
     memcpy(sim->constraints.free_acceleration, sim->constraints.slip, size);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from tests.random.description import GROUND
@@ -122,7 +123,14 @@ def stop(g: Growth, a: str, b: str) -> None:
         fields["upper" if "upper" in fields else "lower"] = 0.0
     if fields.get("upper") == fields.get("lower") == 0.0:
         fields["upper"] = room
+    if _rebounds_at_start("HardStop", fields) and any(_rebounds_at_start(p.block, dict(p.fields)) for p in g.parts):
+        fields["restitution"] = 0.5
     g.add("stop", "HardStop", {"a": a, "b": b}, **fields)
+
+
+def _rebounds_at_start(block: str, fields: Mapping[str, Any]) -> bool:
+    """Whether it is a stop without loss that the start is in contact with: two of them can leave no room to move in."""
+    return block == "HardStop" and fields["restitution"] == 1.0 and 0.0 in (fields.get("upper"), fields.get("lower"))
 
 
 def speed_load(g: Growth, node: str, dry: bool | None = None) -> None:
