@@ -3,17 +3,16 @@
 #include "gb_rates.h"
 #include "gb_vector.h"
 
-/* Most steps from one look to the next, fewest where modes change all the time, fewest of steps that grow, and those
- * that modes have had which are new. */
-enum { SELDOM = 64, OFTEN = 12, SOON = 6, BEGUN = 4 };
+/* Most steps from one look to the next, fewest where modes change all the time, and those that modes have had which are
+ * new. */
+enum { SELDOM = 64, OFTEN = 12, BEGUN = 4 };
 
 /* By how much a step may reach further than what a look along the iteration says, and the length of u in scales of the
  * states: differences of rates stand clear of rounding there, and the laws are straight. */
 static const double SLACK = 1.1, LENGTH = 1e-6;
 
-/* Part of the direction of a look that is of this step alone; a step so much longer than that of the last look follows
- * what was not in it. */
-static const double MIXED = 0.03, GROWN = 2.0;
+/* Part of the direction of a look that is of this step alone. */
+static const double MIXED = 0.03;
 
 /* sum a b weight^2, of the states. */
 static double product(const gb_sim *sim, const double *a, const double *b) {
@@ -91,13 +90,6 @@ static double fastest_rate(gb_sim *sim) {
         u[i] = shorter * w[i];
     }
     return rate < HUGE_VAL ? rate : 0.0;
-}
-
-int gb_reach_is_due(const gb_sim *sim, double h) {
-    const struct gb_pace *control = &sim->head->control;
-    const long long steps = sim->head->counts.steps, looked = control->reach_at - control->reach_gap;
-    return sim->method->reach > 0.0 &&
-           (steps >= control->reach_at || (steps >= looked + SOON && h > GROWN * control->reach_h));
 }
 
 double gb_log_reach(gb_sim *sim, double h) {

@@ -14,8 +14,14 @@
 
 #include "gb_internal.h"
 
-/* It is time to look at a step of size h: a look is due, or the step is twice as long as that of the last one. */
-int gb_reach_is_due(const gb_sim *sim, double h);
+/* It is time to look at a step of size h: a look is due, or the step is twice as long as that of the last look, which
+ * did not follow what it does, and not one of the first six after it. */
+static inline int gb_reach_is_due(const gb_sim *sim, double h) {
+    const struct gb_pace *control = &sim->head->control;
+    const long long steps = sim->head->counts.steps, looked = control->reach_at - control->reach_gap;
+    return sim->method->reach > 0.0 &&
+           (steps >= control->reach_at || (h > 2.0 * control->reach_h && steps >= looked + 6));
+}
 
 /* log2 of the error that would shorten a step of size h to what the method reaches; -100 where it is short enough. */
 double gb_log_reach(gb_sim *sim, double h);
