@@ -1,12 +1,17 @@
-"""What friction holds from the begin of a run on: states beside that slip there stick after a time as short as their slip.
+"""What friction and stops hold from the begin of a run on: states beside that slip there stick after a time as short as
+their slip, and those that lie off a stop come back to it after one as short as the root of their gap.
 
     v <- v - M^-1 F' (G M^-1 F')^+ G v        over the speeds;  G, F: rows of the active set, M: inertias
+    y <- y - dy'/dv M^-1 F' (G M^-1 F')^+ g   over all states;  g: gaps of the stops, y': rates with what sticks
 
-The impulse of friction that takes a small slip away. Sticking on the way is an event, and mapped as one. Knows nothing of
-orbits.
+The impulse of friction that takes a small slip away; the forces that begin so much later for a gap move the train by what it
+had been off, and what damps that takes its part of the speeds. Sticking and closing on the way are events, and mapped as such.
+Knows nothing of orbits.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,27 +22,43 @@ from gearblocks.solver.switched_constraints import ConstraintKind
 
 Array = NDArray[np.float64]
 
+_REACH = 1e-6
+"""Of a difference, in units of states."""
+
 
 def without_slip(sim: Simulation, program: Program, columns: Array) -> Array:
     """Columns of differences of the n states, shape (n, m), beside a run that has just started, after what slips there has
-    stuck."""
+    stuck, and what lies off a stop has come back to it."""
     known = sim.constraints()
-    frictions = [i for i, one in enumerate(known.constraints) if one.kind is ConstraintKind.FRICTION]
-    if not frictions or not columns.shape[1]:
+    modes, kept = sim.modes(), (ConstraintKind.FRICTION, ConstraintKind.STOP)
+    if not columns.shape[1] or not any(modes[one.active] > 0.5 and one.kind in kept for one in known.constraints):
         return columns
-    modes = sim.modes()
-    if not any(modes[known.constraints[i].active] > 0.5 for i in frictions):
-        return columns
-    active = [i for i, one in enumerate(known.constraints) if modes[one.active] > 0.5 and not one.is_stop]
+    active = [i for i, one in enumerate(known.constraints) if modes[one.active] > 0.5]
     t, y, first = sim.time, sim.state(), program.n - known.n_speeds
     here = sim.constraints_at(t, y, modes)
-    slips = here.rows[active] @ columns[first:]
-    if not slips.any():
+    slips, gaps = here.rows[active] @ columns[first:], np.zeros((len(active), columns.shape[1]))
+    stops = np.array([known.constraints[i].is_stop for i in active])
+    for j, v in enumerate(columns.T if stops.any() else ()):
+        gaps[:, j] = stops * _along(lambda there: sim.constraints_at(t, there, modes).slip[active], y, v)
+    if not slips.any() and not gaps.any():
         return columns
     moved = _by_inertias(sim, t, y, first, program.n, here.force_rows[active].T)
-    impulses = np.linalg.lstsq(here.rows[active] @ moved, slips, rcond=None)[0]
+    forces = np.linalg.lstsq(here.rows[active] @ moved, np.column_stack([slips, gaps]), rcond=None)[0]
+    impulses, shifts = np.hsplit(moved @ forces, 2)
     found = columns.copy()
-    found[first:] -= moved @ impulses
+    found[first:] -= impulses
+    for shift, column in zip(shifts.T, found.T, strict=True):
+        faster = np.concatenate([np.zeros(first), shift])
+        column -= _along(lambda there: sim.probe(t, there, modes, "rates")[: program.n], y, faster)
+    return found
+
+
+def _along(function: Callable[[Array], Array], y: Array, v: Array) -> Array:
+    """Derivative of a function of all states along v of the n first of them."""
+    step = np.zeros(len(y))
+    reach = _REACH / np.abs(v).max() if v.any() else 1.0
+    step[: len(v)] = reach * v
+    found: Array = (function(y + step) - function(y - step)) / (2.0 * reach)
     return found
 
 

@@ -1,9 +1,10 @@
-"""Derivatives beside what friction holds from the begin of a run on."""
+"""Derivatives beside what friction or a stop holds from the begin of a run on."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import expm
 
 import gearblocks as gb
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
@@ -56,3 +57,39 @@ def test_a_stuck_disc_has_no_multiplier_beside_those_of_where_it_sticks() -> Non
     assert np.abs(orbit.multipliers) == pytest.approx([1.0, 0.0], abs=1e-12) and orbit.neutral == (
         "free angle of brake",
     )
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_what_lies_off_a_stop_that_is_pressed_comes_back_to_it(restitution: float) -> None:
+    """A disc pushes another one, three times as heavy, by a stop against a spring: off it by little they close up about what
+    is their centre of gravity, and only a root of that later."""
+    rig, drive = gb.Drivetrain("pushed"), gb.Parameter("drive", 1.0, "rad/s")
+    rig.chain(
+        rig.add("source", gb.Torque(tau=2.0 + 0.5 * gb.cos(drive * gb.time))), rig.add("one", gb.Inertia(J=1.0)),
+        rig.add("stop", gb.HardStop(lower=0.0, restitution=restitution)), rig.add("two", gb.Inertia(J=3.0)),
+        rig.add("spring", gb.Shaft(k=0.3, c=0.5)), rig.add("ground", gb.Fixed()),
+    )  # fmt: skip
+    seen = strobe(gb.build(rig), SECTION, None, None, 1e-12)
+    y = seen.follow(seen.start(None), 5).states[-1]
+    names = [q.name for q in seen.model.program.states]
+    gap, spring, one, two = (names.index(name) for name in ("stop.coordinate", "spring.coordinate", "one.w", "two.w"))
+    found, rate = seen.map(y, 1).maps[-1], np.array([[0.0, -1.0], [0.3 / 4, -0.5 / 4]])
+    place, speed = expm(
+        rate * 2 * np.pi
+    ).T  # beside the motion of both discs as one, by the spring's twist and their speed
+    of_gap = 0.25 * place + 0.5 * 0.25 / 4 * speed  # the damper feels what the one behind is late by
+    for column, expected in ((gap, of_gap), (spring, place), (one, 0.25 * speed), (two, 0.75 * speed)):
+        assert found[[spring, one, two, gap], column] == pytest.approx([*expected, expected[1], 0.0], abs=1e-8)
+    step = 1e-9
+    beside = seen.follow(y + step * (np.arange(seen.n) == gap), 1).states[-1]
+    there = (beside - seen.follow(y, 1).states[-1])[[spring, one, two]] / step
+    assert there == pytest.approx(found[[spring, one, two], gap], abs=1e-4)
+
+
+def test_a_disc_that_a_stop_holds_for_good_has_a_period() -> None:
+    rig, drive = gb.Drivetrain("pressed"), gb.Parameter("drive", 3.0, "rad/s")
+    disc = rig.add("disc", gb.Inertia(J=1.0))
+    rig.chain(rig.add("source", gb.Torque(tau=2.0 + gb.sin(drive * gb.time))), disc)
+    rig.connect(rig.add("stop", gb.HardStop(upper=1.0, restitution=0.5)).a, disc.b)
+    regime = gb.classify(rig, SECTION)
+    assert regime.label == "period 1" and np.abs(regime.orbit.multipliers).max() == pytest.approx(0.0, abs=1e-9)
