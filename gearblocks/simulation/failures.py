@@ -35,8 +35,8 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         remedy = _NARROW
         if component_of(program, code, report.index) in {slip.component for slip in program.algebraic_slips}:
             remedy = f"{_FALLING}; or {_NARROW}"
-    if code == Code.ERR_CHATTER and 0 <= report.value < _CROWD and _rebounds(program, sim, report.index):
-        cause, remedy = _NO_ROOM
+    if code == Code.ERR_CHATTER and report.value == _STRUCK_BACK:
+        return component_of(program, code, report.index), *_WITHOUT_END
     if code == Code.ERR_LOSS and report.value == _TWO_MOTIONS:
         cause = _SEVERAL
     elif code == Code.ERR_LOSS and report.value == _SHARED_LOAD:
@@ -63,13 +63,6 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
             return source[0], _NO_SPEED, _OF_A_LOAD + moves
         return source[0], source[1], _OF_A_SOURCE + moves
     return component_of(program, code, report.index), cause, remedy
-
-
-def _rebounds(program: Program, sim: Simulation, switch: int) -> bool:
-    """Whether the element of a switch strikes without loss."""
-    path = f"{component_of(program, Code.ERR_CHATTER, switch)}.restitution"
-    given = [v for p, v in zip(program.parameters, sim.parameters, strict=True) if p.path == path]
-    return given == [1.0]
 
 
 def _free_flange(program: Program, sim: Simulation) -> str | None:
@@ -231,9 +224,13 @@ _NARROW = (
     "element that sticks (Brake, BearingFriction)"
 )
 
-_NO_ROOM = (
+_STRUCK_BACK = 0.5
+"""Value in the report of an impact without an end (gb_impact.c)."""
+
+_WITHOUT_END = (
     "it strikes without loss and is struck back at once, without progress of time",
-    "two limits at the same place leave no room to move in: give one of them a restitution below 1, or some room between them",
+    "limits at the same place leave no room to move in, or a light body is struck from both sides for ever: give one of these "
+    "contacts a restitution below 1, or some room between them",
 )
 
 _TWO_MOTIONS, _SHARED_LOAD = 2.0, 3.0

@@ -112,12 +112,25 @@ def leaves(strobe: Strobe, y: Array, periods: int, neutral: Neutral) -> str:
     if np.abs(strobe.off(here, y)[is_speed]).max(initial=0.0) > _STAYS:
         return "a speed goes on growing or falling"
     for j, words in enumerate(neutral.words[: neutral.basis.shape[1]]):
-        step = _SPREAD * neutral.basis[:, j]
-        off = strobe.off(fine.follow(fine.moved(y, step), watched).states[-1], here) - step
+        step, end = _beside(fine, y, _SPREAD * neutral.basis[:, j], watched)
+        if end is None:
+            return f"no motion can begin beside it, along the {words}"
+        off = strobe.off(end, here) - step
         told = is_speed if np.abs(step[is_speed]).max(initial=0.0) > _SPLIT else np.ones(strobe.n, dtype=bool)  # shear
         if np.abs(off[told]).max(initial=0.0) > _STAYS * _SPREAD:
             return f"motions beside it, along the {words}, come nearer or go away"
     return ""
+
+
+def _beside(strobe: Strobe, y: Array, step: Array, periods: int) -> tuple[Array, Array | None]:
+    """Where a motion begun beside it comes to, and how far beside that was: the other way where the train cannot be there
+    (a stop is in its way); None where it can be at neither."""
+    for way in (step, -step):
+        try:
+            return way, strobe.follow(strobe.moved(y, way), periods).states[-1]
+        except SimulationError:
+            continue
+    return step, None
 
 
 def without_records(strobe: Strobe, y: Array, neutral: Neutral) -> Neutral:

@@ -15,7 +15,7 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from gearblocks.analysis.regimes.stuck import without_slip
+from gearblocks.analysis.regimes.stuck import as_held
 from gearblocks.analysis.regimes.turns import without_turns
 from gearblocks.analysis.sections import Section, check_frequency, section_period
 from gearblocks.errors import GearblocksError, SimulationError
@@ -164,7 +164,7 @@ class Strobe:
             full[: self.n] = y
             self._begin(sim, after * self.period, full)
             none = np.empty((self.n, 0))
-            columns, wanted = none if columns is None else without_slip(sim, program, columns), fixed is not None
+            columns, wanted = none if columns is None else as_held(sim, program, columns), fixed is not None
             given, change = columns.shape[1], None if by is None else by.parameters
             if change is not None:
                 columns = np.column_stack([columns, self._begun(y, change)])
@@ -195,7 +195,7 @@ class Strobe:
         program, none, found = self.model.program, np.empty((self.n, 0)), []
         with self.told_finely.opened(y) as sim:
             for t in self.period * (self.begun + np.arange(1, self.parts * periods + 1) / self.parts):
-                columns = without_slip(sim, program, np.diag(self.scale))
+                columns = as_held(sim, program, np.diag(self.scale))
                 tangents = Tangents(sim, program.n_total, columns, self.scale, none)
                 tangents.begin(np.array([t]), maps=True)
                 while (code := tangents.run()) != Code.DONE:

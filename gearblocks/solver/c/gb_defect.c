@@ -12,9 +12,10 @@
  * at is trusted at most, and after how many steps that are held back one is looked at again: fewest, and most. */
 static const double DENSE = 4.0, MOST_TRUSTED = 2.0, OFTEN = 2.0, SELDOM = 32.0;
 
-/* Where the defect of massless speeds is looked at besides: it passes zero elsewhere than that at the other point. Half
- * as many tolerances are allowed there: from one look to the next such an error grows faster. */
-static const double OF_MASSLESS = 0.5;
+/* Where in the step the defect of massless speeds is looked at besides, as it passes zero elsewhere than at the other
+ * point; and the part of the tolerances of states that they may be off by: from look to look such an error grows
+ * faster. */
+static const double OF_MASSLESS = 0.5, STRICTER = 0.5;
 
 /* Of an implicit step of size h that moves a feature: log2 of the integral of its defect. */
 static double log_integral(gb_sim *sim, double h) {
@@ -73,7 +74,7 @@ static int defect_at(gb_sim *sim, double theta, double h) {
 double gb_log_defect(gb_sim *sim, double h) {
     gb_head *head = sim->head;
     const double theta = sim->method->defect[0], allowed = gb_moves_feature(sim, h) ? 1.0 : DENSE;
-    const double factor = sim->method->defect[1] / allowed, massless = 2.0 / allowed;
+    const double factor = sim->method->defect[1] / allowed, massless = 1.0 / (STRICTER * allowed);
     double worst = 0.0, *rate = sim->events.defect + sim->model->n_total;
     if (sim->method->gamma > 0.0) {
         return log_integral(sim, h);
@@ -85,9 +86,9 @@ double gb_log_defect(gb_sim *sim, double h) {
     head->front.h = h;
     if (gb_dense_complete(sim) == GB_DONE && defect_at(sim, theta, h)) {
         worst = gb_max(factor * gb_largest_defect(sim, rate, h), massless * gb_largest_massless_defect(sim, rate, h));
-    }
-    if (sim->model->n_massless > 0 && defect_at(sim, OF_MASSLESS, h)) {
-        worst = gb_max(worst, massless * gb_largest_massless_defect(sim, rate, h));
+        if (sim->model->n_massless > 0 && defect_at(sim, OF_MASSLESS, h)) {
+            worst = gb_max(worst, massless * gb_largest_massless_defect(sim, rate, h));
+        }
     }
     const double error = gb_rough_log2(worst + 1e-30);
     if (error > 0.0) {

@@ -8,6 +8,9 @@
 /* Rounds of an impact; and those in which a stop was left out because it is being left, before they have no end. */
 enum { ROUNDS = 10000, LEAVING_ROUNDS = 32 };
 
+/* In the report of an impact without an end: no number of flips. */
+static const double STRUCK_BACK = 0.5;
+
 /* Bounds of the impulse of constraint i and the slip that it must undo; 0: it takes no part. What opens just now does
  * not close: an impulse along it would do work on what leaves (lambda v- > 0) and give a train energy from nowhere.
  * endless: all contacts come to rest on each other. */
@@ -180,12 +183,12 @@ static int find_hit(gb_sim *sim, int round, int *left) {
     return hit;
 }
 
-static int has_impulses(gb_sim *sim) {
+static int finds_impulses(gb_sim *sim) {
     return gb_solve_problem(sim, 0) == GB_DONE && gb_refuse_contradiction(sim, 0.0) == GB_DONE;
 }
 
-/* As much as all stops of this round can ask for: that nothing goes on into them. */
-static void throw_nothing_back(gb_sim *sim) {
+/* The stops of this round throw nothing back: as much as they can ask for together. */
+static void make_plastic(gb_sim *sim) {
     for (int i = 0; i < sim->model->n_constraints; i++) {
         if (sim->constraints.in[i] && gb_is_stop(sim, i)) {
             sim->constraints.right[i] = sim->constraints.slip[i];
@@ -199,9 +202,9 @@ static void throw_nothing_back(gb_sim *sim) {
 static int strike(gb_sim *sim) {
     const size_t size = sizeof(double) * (size_t)sim->model->n_constraints;
     sim->model->delassus(sim->par, sim->mode, sim->instant.time_terms, sim->y, 0, sim->constraints.delassus);
-    if (!has_impulses(sim)) {
-        throw_nothing_back(sim);
-        if (!has_impulses(sim)) {
+    if (!finds_impulses(sim)) {
+        make_plastic(sim);
+        if (!finds_impulses(sim)) {
             return sim->head->report.code;
         }
     }
@@ -297,6 +300,15 @@ static void settle(gb_sim *sim) {
     slips_after(sim);
 }
 
+/* A stop that has struck in this impact throws less than all back. */
+static int any_loses(const gb_sim *sim) {
+    int any = 0;
+    for (int i = 0; i < sim->model->n_constraints; i++) {
+        any |= gb_is_stop(sim, i) && sim->constraints.struck[i] && sim->constraints.bounds[5 * i + 2] < 1.0;
+    }
+    return any;
+}
+
 int gb_impact(gb_sim *sim) {
     const gb_model *model = sim->model;
     const double *impulse = sim->constraints.other, *before = sim->constraints.free_acceleration;
@@ -307,14 +319,15 @@ int gb_impact(gb_sim *sim) {
     }
     for (int round = 0; hit >= 0; round++) {
         int closed = 0;
-        if (round == ROUNDS) {
-            return gb_fail(sim, GB_ERR_CHATTER, model->constraints[hit].slip, sim->head->front.t1, 0.0);
+        if (round == 2 * ROUNDS || (round == ROUNDS && !any_loses(sim))) {
+            return gb_fail(sim, GB_ERR_CHATTER, model->constraints[hit].slip, sim->head->front.t1, STRUCK_BACK);
         }
         sim->head->control.h_trusted = 0.0; /* what comes is another motion: no step of it has been looked into */
         if (strike(sim) != GB_DONE) {
             return sim->head->report.code;
         }
         note_round(sim, impulse, before);
+        left = round == ROUNDS ? LEAVING_ROUNDS + 1 : left; /* little is lost, and the end is the same */
         hit = find_hit(sim, round + 1, &left);
         if (hit < 0 && close_what_opens_for_nothing(sim, &closed) != GB_DONE) {
             return sim->head->report.code;

@@ -3,6 +3,8 @@
 
 /* Entries below are rounding of those of size 1. */
 static const double GB_NO_ENTRY = 1e-11;
+/* Of the largest bound of all: within so little a quantity is at its bound. */
+static const double GB_SLACK = 1e-12;
 
 /* The place of the quantity with this id. */
 static int place_of(const gb_raise *lp, int id) {
@@ -31,24 +33,46 @@ static int entering(const gb_raise *lp, int goal, int late, int *direction) {
     return best;
 }
 
-/* How far column j goes in a direction, and the row that stops it; -1: its own bound. */
-static double stopping(const gb_raise *lp, int j, int direction, int *row) {
-    double least = direction > 0 ? lp->most[j] - lp->value[j] : lp->value[j] - lp->least[j], size = 0.0;
+/* How fast row i changes with column j in a direction, and what is left of its room there; no limit: HUGE_VAL. */
+static double room(const gb_raise *lp, int i, int j, int direction, double *rate) {
+    const int at = lp->columns + i;
+    *rate = direction * lp->entry[i * lp->columns + j];
+    const double left = *rate > 0.0 ? lp->most[at] - lp->value[at] : lp->value[at] - lp->least[at];
+    return fabs(*rate) > GB_NO_ENTRY ? fmax(left, 0.0) : HUGE_VAL;
+}
+
+/* How far column j goes in a direction, and the row that stops it; -1: its own bound. Of the rows that would be passed
+ * by no more than `slack` the one that changes fastest: a slow one that stops it a rounding sooner would make that
+ * rounding large (Harris 1973). */
+static double stopping(const gb_raise *lp, int j, int direction, double slack, int *row) {
+    const double own = direction > 0 ? lp->most[j] - lp->value[j] : lp->value[j] - lp->least[j];
+    double farthest = own + slack, fastest = 0.0, step = own, rate;
+    for (int i = 0; i < lp->rows; i++) {
+        const double left = room(lp, i, j, direction, &rate);
+        farthest = left < HUGE_VAL ? fmin(farthest, (left + slack) / fabs(rate)) : farthest;
+    }
     *row = -1;
     for (int i = 0; i < lp->rows; i++) {
-        const double rate = direction * lp->entry[i * lp->columns + j];
-        const double left = rate > 0.0 ? lp->most[lp->columns + i] - lp->value[lp->columns + i]
-                                       : lp->value[lp->columns + i] - lp->least[lp->columns + i];
-        if (fabs(rate) > GB_NO_ENTRY && left < HUGE_VAL) {
-            const double step = fmax(left, 0.0) / fabs(rate);
-            if (step < least || (step == least && fabs(rate) > size)) {
-                least = step;
-                size = fabs(rate);
-                *row = i;
-            }
+        const double left = room(lp, i, j, direction, &rate);
+        if (left < HUGE_VAL && left / fabs(rate) <= farthest && fabs(rate) > fastest &&
+            !(own <= farthest && fabs(rate) < 1.0)) {
+            fastest = fabs(rate);
+            step = left / fabs(rate);
+            *row = i;
         }
     }
-    return least;
+    return step;
+}
+
+/* Of the largest bound: so little beyond its bounds is within them. */
+static double slack_of(const gb_raise *lp) {
+    double largest = 0.0;
+    for (int k = 0; k < lp->columns + lp->rows; k++) {
+        const int counts = k != lp->columns - 1;
+        largest = counts && lp->most[k] < HUGE_VAL ? fmax(largest, fabs(lp->most[k])) : largest;
+        largest = counts && lp->least[k] > -HUGE_VAL ? fmax(largest, fabs(lp->least[k])) : largest;
+    }
+    return GB_SLACK * largest;
 }
 
 static void swap(double *list, int a, int b) {
@@ -81,6 +105,7 @@ static void exchange(gb_raise *lp, int r, int j) {
 
 double gb_raise_last(gb_raise *lp) {
     const int all = lp->rows + lp->columns, raised = lp->columns - 1;
+    const double slack = slack_of(lp);
     for (int k = 0; k < all; k++) {
         lp->id[k] = k;
         lp->value[k] = 0.0;
@@ -88,7 +113,7 @@ double gb_raise_last(gb_raise *lp) {
     for (int round = 0; round < 8 * all + 16; round++) {
         int direction = 0, row;
         const int goal = place_of(lp, raised), j = entering(lp, goal, round > 2 * all, &direction);
-        const double step = j < 0 ? HUGE_VAL : stopping(lp, j, direction, &row);
+        const double step = j < 0 ? HUGE_VAL : stopping(lp, j, direction, slack, &row);
         if (!(step < HUGE_VAL)) {
             break;
         }

@@ -35,10 +35,14 @@ def test_what_comes_in_ends_in_rest(ratio: float, restitutions: tuple[float, flo
     assert run.energy.residual < 1e-9
 
 
+@pytest.mark.parametrize("restitutions", [(1.0, 0.999), (0.999, 1.0), (0.9999, 0.9999)])
+def test_what_loses_next_to_nothing_ends_in_rest_too(restitutions: tuple[float, float]) -> None:
+    run = gb.simulate(between_two_limits(2.0, 0.5, restitutions), t_end=1.0)
+    assert np.abs(run["body.w"][1:]).max() < 1e-12 and run.energy.residual < 1e-9
+
+
 def test_without_loss_it_has_no_end_and_says_so() -> None:
-    what = (
-        "'(ahead|behind)': it strikes without loss .* give one of them a restitution below 1, or some room between them"
-    )
+    what = "'(ahead|behind)': it strikes without loss .* give one of these contacts a restitution below 1, or some room"
     with pytest.raises(gb.SimulationError, match=what):
         gb.simulate(between_two_limits(2.0, 0.5, (1.0, 1.0)), t_end=1.0)
     run = gb.simulate(between_two_limits(2.0, 0.5, (1.0, 1.0), room=0.02), t_end=1.0)
