@@ -81,7 +81,7 @@ class _Start:
 
     def without_gap(self, columns: Array) -> Array:
         """After flights back to all stops that are pressed."""
-        y, states = self.sim.state(), self.program.n
+        y = self.sim.state()
         pressed = np.array([self._is_pressed(i) for i in self.active])
         if not pressed.any():
             return columns
@@ -100,11 +100,9 @@ class _Start:
         flying = self.modes.copy()
         flying[[self.known.constraints[i].active for i in loose]] = 0.0
         found: Array = columns - _along(lambda there: self._rates(there, flying), y, shifts)
-        rates = self._rates(y, self.modes)
-        rates[self.first :] = 0.0  # inertias and rows go by the places
-        found[self.first :] += (
-            _along(lambda there: self._by_forces(there, closing), y, rates[:states, None])[..., 0] @ late
-        )
+        turning = self._rates(y, self.modes)[:, None]
+        turning[self.first :] = 0.0  # inertias and rows go by the places
+        found[self.first :] += _along(lambda there: self._by_forces(there, closing), y, turning)[..., 0] @ late
         return found
 
     def _is_pressed(self, i: int) -> bool:
