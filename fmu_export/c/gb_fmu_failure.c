@@ -32,6 +32,11 @@ static const char *switch_name(const gb_fmu *fmu, int index) {
     return index >= 0 ? fmu->table->switches[index] : "?";
 }
 
+static const char *state_or_switch_name(const gb_fmu *fmu, int index) {
+    const int n = fmu->solver->model_of(fmu->sim)->n;
+    return index < n ? state_name(fmu, index, 0) : switch_name(fmu, index - n);
+}
+
 int gb_fmu_solver_failed(gb_fmu *fmu, int code) {
     gb_report report;
     fmu->solver->get_report(fmu->sim, &report);
@@ -73,6 +78,9 @@ int gb_fmu_solver_failed(gb_fmu *fmu, int code) {
     case GB_ERR_JUMP:
         return gb_fmu_refuse(fmu, "friction on a shaft without inertia and damping jumps at t = %.9g s, at '%s'", t,
                              state_name(fmu, i, 0));
+    case GB_ERR_STALL:
+        return gb_fmu_refuse(fmu, "%.0f steps or tries in a row hardly bring the run on at t = %.9g s, in '%s'",
+                             report.value, t, state_or_switch_name(fmu, i));
     case GB_ERR_MEMORY:
         return gb_fmu_refuse(fmu, "out of memory at t = %.9g s", t);
     default:

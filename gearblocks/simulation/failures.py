@@ -28,6 +28,9 @@ def reason(program: Program, code: Code, sim: Simulation) -> tuple[str, str, str
         cause = f"the input function raised {type(sim.error).__name__}: {sim.error}"
     if code == Code.ERR_CHATTER and report.value >= _CROWD:
         cause, remedy = f"{report.value:.0f} events in a row hardly bring the run on", _CROWDED
+    if code == Code.ERR_STALL:
+        cause = f"{report.value:.0f} steps or tries in a row hardly bring the run on"
+        remedy = _IN_DOUBT if report.index >= program.n else remedy
     if code == Code.ERR_CHATTER and report.value < 0:
         switch = program.switches[report.index].name
         its = f"its {switch}" if switch else "its slip"
@@ -168,6 +171,8 @@ def component_of(program: Program, code: Code, index: int) -> str:
     """The component or input that a code's index means."""
     if code in (Code.ERR_NAN_INPUT, Code.ERR_CALLBACK):
         return program.inputs[index].name if 0 <= index < len(program.inputs) else ""
+    if code is Code.ERR_STALL and index >= program.n:
+        code, index = Code.ERR_CHATTER, index - program.n
     if code in (Code.ERR_CHATTER, Code.ERR_BRANCH, Code.ERR_LOSS, Code.ERR_BEYOND):
         if not 0 <= index < len(program.switches):
             return ""
@@ -223,6 +228,12 @@ _NARROW = (
     "its law jumps there against the motion: give the jump a width (a steep line), or beside a jump over an angle take an "
     "element that sticks (Brake, BearingFriction)"
 )
+
+_IN_DOUBT = (
+    "whether it holds there is told by rounding: give a looser rtol or another method, or put a compliance or an inertia "
+    "beside what several elements hold at once"
+)
+"""Of a switch that no step is short enough to tell of."""
 
 _STRUCK_BACK = 0.5
 """Value in the report of an impact without an end (gb_impact.c)."""
@@ -289,6 +300,11 @@ _CAUSES: dict[Code, tuple[str, str]] = {
         "friction on a shaft without inertia and damping jumps, and with it the twist of the spring that it loads",
         "how a spring gets there nothing says: give it a c, or its shaft an inertia; peak = 1 and a capacity that does not "
         "jump need neither",
+    ),
+    Code.ERR_STALL: (
+        "steps hardly bring the run on",
+        "motion there is quicker by far than the run is long: look for a stiffness, damping or inertia in a wrong unit; where "
+        "such motion dies out at once, method='auto' or 'rodas' goes on",
     ),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"

@@ -44,6 +44,7 @@ class Code(IntEnum):
     ERR_UNSTABLE = -14
     ERR_ESCAPE = -15
     ERR_JUMP = -16
+    ERR_STALL = -17
 
 
 CODES: dict[int, Code] = {code.value: code for code in Code}

@@ -1,6 +1,9 @@
 /* Cases that break solvers: rest, noise, tiny scales, simultaneous and touching events. */
 #include "checks.h"
 
+#include "gb_internal.h"
+#include "gb_progress.h"
+
 static long long steps_of(const gb_sim *sim) {
     gb_stats stats;
     gb_get_stats(sim, &stats);
@@ -146,6 +149,31 @@ static void check_growth(int method, double step) {
     free_run(&r);
 }
 
+/* So many refused tries in a row that hardly bring the run on end it, by the state with the largest error or by the
+ * event function that was in doubt; where they bring it on they are left alone. */
+static void check_stall(void) {
+    const gb_options options = options_of(GB_DP8, 1e-8, 0.0);
+    gb_report report;
+    int code;
+    for (int in_doubt = 0; in_doubt < 2; in_doubt++) {
+        gb_sim *sim = open_model(&p2_model, p2_values, &options, &code);
+        CHECK(gb_advance(sim, 1.0) == GB_DONE, "advance");
+        const double t = sim->head->front.t1;
+        sim->head->counts.rejected += GB_TRIES - 1;
+        CHECK(gb_progress_of_tries(sim, 1e30, in_doubt) == GB_DONE, "too early");
+        sim->head->counts.rejected += 1;
+        CHECK(gb_progress_of_tries(sim, t + 100.0, in_doubt) == GB_DONE, "it has come from 0 to %g", t);
+        sim->head->counts.rejected += GB_TRIES;
+        sim->events.undersampled = 0;
+        sim->events.in_doubt = 1;
+        CHECK(gb_progress_of_tries(sim, t + 100.0, in_doubt) == GB_ERR_STALL, "it has not moved on");
+        gb_get_report(sim, &report);
+        CHECK(report.t == t && (int)report.value == GB_TRIES, "%g tries at %g", report.value, report.t);
+        CHECK(in_doubt ? report.index == p2_model.n : report.index < p2_model.n, "index %d", report.index);
+        gb_close(sim);
+    }
+}
+
 /* The start time is free: the same motion a whole number of periods later, on the grid of that start. */
 static void check_late_start(double step) {
     const gb_options options = options_of(GB_DP5, 1e-11, step);
@@ -165,6 +193,7 @@ void check_hard(void) {
     check_growth(GB_DP8, 0.0);
     check_growth(GB_DP5, 0.0);
     check_growth(GB_RK4, 0.01);
+    check_stall();
     check_late_start(0.0);
     check_late_start(0.01);
     check_rest(0.1, 1.1, 1000.0);

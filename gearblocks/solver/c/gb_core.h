@@ -41,7 +41,8 @@ enum {
     GB_ERR_BEYOND = -13,   /* the start lies beyond a stop, or breaks a lossy gear; index: switch */
     GB_ERR_UNSTABLE = -14, /* fixed steps (value) outside the stability of the method; index: state */
     GB_ERR_ESCAPE = -15,   /* motion that grows without bound; index: the state that grows quickest, or -1 */
-    GB_ERR_JUMP = -16      /* a spring that friction alone loads would jump; index: state */
+    GB_ERR_JUMP = -16,     /* a spring that friction alone loads would jump; index: state */
+    GB_ERR_STALL = -17     /* steps or refused tries (value) without progress; index: state or n + switch */
 };
 
 /* GB_AUTO: order 8 (order 5 above a tolerance of 1e-3), and the implicit method while the train is stiff. */

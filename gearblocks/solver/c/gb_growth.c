@@ -1,4 +1,6 @@
 #include "gb_growth.h"
+#include "gb_error_control.h"
+#include "gb_progress.h"
 #include "gb_report.h"
 #include "gb_vector.h"
 
@@ -19,6 +21,9 @@ static const double BEYOND_MACHINES = 1e9;
 
 /* From look to look: what the speed grows by, what the pace falls to, and how many times as long is left. */
 static const double GROWS = 2.0, FALLS = 0.75, LEFT = 4.0;
+
+/* What steps from look to look must bring the run on by, as a part of what is left. */
+static const double LEAST_PROGRESS = 1e-10;
 
 /* The state that grows quickest of those near their largest value; -1: none grows. */
 static int fastest(const gb_sim *sim, double *pace) {
@@ -96,6 +101,9 @@ int gb_watch_pace(gb_sim *sim, double target) {
     growth->t_look = t;
     growth->pace = pace;
     growth->speed = speed;
+    if (since < LEAST_PROGRESS * gb_rest_of_run(sim, target)) {
+        return gb_fail(sim, GB_ERR_STALL, gb_worst_state(sim), t, steps);
+    }
     return escapes ? fail(sim, fast, sim->y[fast]) : GB_DONE;
 }
 

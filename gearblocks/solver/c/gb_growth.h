@@ -19,7 +19,8 @@ int gb_watch_fixed_step(gb_sim *sim, double h);
 int gb_name_growth(gb_sim *sim);
 
 /* Speeds beyond those of all machinery that go on growing, and steps that become as much shorter (what is stiffer the
- * further it goes): GB_ERR_ESCAPE, where the run to `target` would take many times as many steps as all so far. */
+ * further it goes): GB_ERR_ESCAPE, where the run to `target` would take many times as many steps as all so far.
+ * Steps that hardly bring it on: GB_ERR_STALL by the state with the largest error. */
 int gb_watch_pace(gb_sim *sim, double target);
 
 /* After GB_ERR_STEP and GB_ERR_NAN_RATE: the same code, or GB_ERR_ESCAPE by the state that grew until then. */

@@ -165,8 +165,9 @@ struct gb_event_state {
     double held_until;           /* the first limit that is not watched is so no more (HUGE_VAL: none) */
     double look_ahead;           /* > 0: how far ahead the motion tells what constraints do from here */
     long long look_at, look_gap; /* events when rests on limits are looked at again; how many lie between */
-    long long crowd;             /* events when it was last asked whether they let time go on, */
-    double t_crowd, target, rested_at[GB_SLIDING], reach[GB_SLIDING], admitted[GB_SLIDING]; /* see gb_limit_bend.h */
+    long long crowd, tries;      /* events, refused tries when it was last asked whether they let time go on, */
+    double t_crowd, t_tries, target;                                       /* then; the end of the present gb_run */
+    double rested_at[GB_SLIDING], reach[GB_SLIDING], admitted[GB_SLIDING]; /* see gb_limit_bend.h */
     int forces_agreed; /* enclosed constraint forces were right at the start of a step since the modes changed */
     int n_sliding, sliding[GB_SLIDING], resting[GB_SLIDING]; /* see gb_sliding.h, gb_rates.h */
     uint64_t mode_hash, by_mean, turned; /* of all modes; bits: constraints that a mean holds, see gb_turned_gears.h */
@@ -232,18 +233,17 @@ struct gb_events {
     double *moved, *until;             /* and with one state moved; just after the first constraint force that leaves */
     double *located, *side;            /* theta at which it leaves its mode, and the limit */
     double *slack;                     /* sign of the force of a lossy gear: how far beyond counts as on it; else -1 */
-    int undersampled;                  /* samples of the last step do not tell what a constraint force does */
-    int in_doubt;                      /* its polynomial takes back at once what was decided at its start */
+    int undersampled;                  /* 1 + one of which neither samples nor pieces of the last step tell all */
+    int in_doubt;                      /* 1 + one where its polynomial takes back at once what its start decided */
     int again;                         /* how often this step was cut short for these, or by gb_cut.h */
     double part;                       /* of it that is tried again */
 };
 
 /* Without location. */
 struct gb_unlocated {
-    double *mode;     /* of the stage; behind them the active set */
-    size_t n_carried; /* doubles of it that are those of the step */
-    int lanes;        /* with time terms */
-    int crossed;      /* a mode changed between two stages of the step */
+    double *mode;       /* of the stage; behind them the active set */
+    size_t n_carried;   /* doubles of it that are those of the step */
+    int lanes, crossed; /* with time terms; a mode changed between two stages of the step */
 };
 
 /* Rates beside limits along which switches slide: modes, time terms, rates, a state, functions and outputs there. */

@@ -168,7 +168,7 @@ static double look_again(gb_sim *sim) {
     double first = 2.0;
     for (int i = 0; i < sim->model->n_event_functions; i++) {
         if (sim->events.located[i] <= 1.0) {
-            sim->events.in_doubt |= comes_back_early(sim, i);
+            sim->events.in_doubt = comes_back_early(sim, i) ? i + 1 : sim->events.in_doubt;
             first = gb_min(first, sim->events.located[i]);
         }
     }

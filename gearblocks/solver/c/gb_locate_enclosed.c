@@ -20,7 +20,7 @@ static const double shortest_panel = 1.0 / 64.0;
 typedef struct search {
     double a, b, until, tolerance;
     int have_left, have_right; /* event functions at a and at b are known */
-    int by_ends, open;         /* ends decide; how many pieces were open so far */
+    int by_ends, open, untold; /* ends decide; how many pieces were open so far, the last for which one was */
     int with_forces;           /* constraint forces are enclosed too */
     int forces_inside;         /* they need not be, in this panel */
 } search;
@@ -170,6 +170,7 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
                 return GB_DONE;
             }
             if (!s->by_ends && is_hopeless(sim, s, at)) {
+                s->untold = at.i;
                 *found = OPEN;
                 return GB_DONE;
             }
@@ -180,6 +181,7 @@ static int judge_piece(gb_sim *sim, search *s, int *found) {
         const gb_limit at = gb_limit_at(sim, k);
         const int one = is_clear(sim, at) ? FREE : verdict(sim, s, at);
         *found = one == FREE ? *found : one;
+        s->untold = one == OPEN ? at.i : s->untold;
     }
     return code == GB_DONE && *found == ROOT ? take_roots(sim, s) : code;
 }
@@ -215,17 +217,6 @@ static void measure_noise(gb_sim *sim, const search *s) {
     }
 }
 
-/* The panel that begins at `from`, as long as its polynomials hold. */
-static int next_panel(gb_sim *sim, double from, double span) {
-    int good = 0, halved = 0, code = GB_DONE;
-    for (double width = gb_min(span, 1.0 - from); !good && code == GB_DONE; width *= 0.5) {
-        code = gb_panel_fill(sim, from, width >= 1.0 - from ? 1.0 : from + width, halved, &good);
-        good = good || width <= shortest_panel;
-        halved = 1;
-    }
-    return code;
-}
-
 /* Looks at a panel as a whole, as far as anything could be found in it: constraint forces that are inside their bounds
  * throughout are not enclosed over its pieces, and where all is clear by its values alone there are no pieces. */
 static void look_at_panel(gb_sim *sim, search *s) {
@@ -240,6 +231,20 @@ static void look_at_panel(gb_sim *sim, search *s) {
         s->a = end;
         s->have_left = 0;
     }
+}
+
+/* The panel that begins at `from`, as long as its polynomials hold, and the look at it. */
+static int next_panel(gb_sim *sim, search *s, double from, double span) {
+    int good = 0, halved = 0, code = GB_DONE;
+    for (double width = gb_min(span, 1.0 - from); !good && code == GB_DONE; width *= 0.5) {
+        code = gb_panel_fill(sim, from, width >= 1.0 - from ? 1.0 : from + width, halved, &good);
+        good = good || width <= shortest_panel;
+        halved = 1;
+    }
+    if (code == GB_DONE) {
+        look_at_panel(sim, s);
+    }
+    return code;
 }
 
 /* Goes on behind a free piece. */
@@ -285,10 +290,7 @@ static int begin(gb_sim *sim, search *s) {
     s->a = any ? 0.0 : 1.0;
     if (any) {
         code = gb_dense_complete(sim);
-        code = code == GB_DONE ? next_panel(sim, 0.0, 1.0) : code;
-    }
-    if (code == GB_DONE && any) {
-        look_at_panel(sim, s);
+        code = code == GB_DONE ? next_panel(sim, s, 0.0, 1.0) : code;
     }
     if (code == GB_DONE && any && s->with_forces && !s->forces_inside) {
         gb_enclose(sim, 1, 0.0, s->tolerance);
@@ -323,19 +325,14 @@ int gb_locate_enclosed(gb_sim *sim) {
     int code = begin(sim, &s), found = FREE;
     while (code == GB_DONE && found != ROOT && s.a < gb_min(s.until + s.tolerance, 1.0)) {
         if (s.a >= sim->panel.to) {
-            code = next_panel(sim, s.a, 2.0 * (sim->panel.to - sim->panel.from));
-            if (code == GB_DONE) {
-                look_at_panel(sim, &s);
-                continue;
-            }
+            code = next_panel(sim, &s, s.a, 2.0 * (sim->panel.to - sim->panel.from));
+            continue;
         }
         s.b = s.a + 1.01 * width < sim->panel.to ? s.a + width : sim->panel.to;
         s.have_right = 0;
         s.by_ends = s.b - s.a <= s.tolerance || s.open > MOST_PIECES;
-        if (code == GB_DONE) {
-            gb_enclose(sim, s.with_forces && !s.forces_inside, s.a, s.b);
-            code = judge_piece(sim, &s, &found);
-        }
+        gb_enclose(sim, s.with_forces && !s.forces_inside, s.a, s.b);
+        code = judge_piece(sim, &s, &found);
         width = found == OPEN ? 0.5 * (s.b - s.a) : 2.0 * (s.b - s.a);
         if (found == FREE) {
             move_on(sim, &s);
@@ -345,6 +342,6 @@ int gb_locate_enclosed(gb_sim *sim) {
             measure_noise(sim, &s);
         }
     }
-    sim->events.undersampled = s.open > MOST_PIECES;
+    sim->events.undersampled = s.open > MOST_PIECES ? s.untold + 1 : 0;
     return code == GB_DONE && found == ROOT ? look_back(sim, &s) : code;
 }

@@ -272,8 +272,9 @@ static int locate_one(gb_sim *sim, int i, double cut, double tolerance, double *
     }
     sim->events.located[i] = gb_min(low, high) < *until ? gb_min(low, high) : 2.0;
     sim->events.side[i] = low < high ? -1.0 : 1.0;
-    sim->events.undersampled =
-        sim->events.undersampled || (is_force(sim, i) && sim->events.hi[i] == 0.0 && is_untold(sim, i));
+    if (is_force(sim, i) && sim->events.hi[i] == 0.0 && !sim->events.undersampled && is_untold(sim, i)) {
+        sim->events.undersampled = i + 1;
+    }
     if (code == GB_DONE && is_force(sim, i) && sim->events.located[i] <= 1.0 &&
         sim->events.located[i] + tolerance < *until) {
         *until = sim->events.located[i] + tolerance;

@@ -4,6 +4,7 @@
 #include "gb_departure.h"
 #include "gb_event.h"
 #include "gb_growth.h"
+#include "gb_progress.h"
 #include "gb_quantity.h"
 #include "gb_rates.h"
 #include "gb_record.h"
@@ -19,8 +20,6 @@
 #include <time.h>
 
 enum { STEPS_BETWEEN_LOOKS = 64 }; /* at the clock */
-enum { CROWD = 100000 };           /* events in a row that must bring the run on by a part of what is left of it: */
-static const double LEAST_PROGRESS = 1e-5;
 
 /* Changes that wait, and whether the run can go on at all. */
 static int begin(gb_sim *sim) {
@@ -30,23 +29,6 @@ static int begin(gb_sim *sim) {
     return gb_apply_changes(sim);
 }
 
-/* Limit of progress: events that follow on each other so closely that the run does not end. Named is the switch of the
- * last one. */
-static int check_progress(gb_sim *sim, double target) {
-    gb_head *head = sim->head;
-    const long long crowd = head->counts.events - head->events.crowd;
-    if (crowd < CROWD) {
-        return GB_DONE;
-    }
-    const double progress = head->front.t1 - head->events.t_crowd;
-    const int index = sim->log.count > 0 ? sim->log.event[sim->log.count - 1].index : 0;
-    head->events.crowd = head->counts.events;
-    head->events.t_crowd = head->front.t1;
-    return progress < LEAST_PROGRESS * (target - head->front.t1)
-               ? gb_fail(sim, GB_ERR_CHATTER, index, head->front.t1, (double)crowd)
-               : GB_DONE;
-}
-
 /* An event that is pending at the front. */
 static int event(gb_sim *sim, double target) {
     const int timed = sim->head->front.t1 >= sim->head->events.t_break;
@@ -54,7 +36,7 @@ static int event(gb_sim *sim, double target) {
     if (code == GB_DONE) {
         code = gb_depart(sim, GB_AT_EVENT, timed);
     }
-    return code == GB_DONE ? check_progress(sim, target) : code;
+    return code == GB_DONE ? gb_progress_of_events(sim, target) : code;
 }
 
 /* A step from the front. */
@@ -88,7 +70,8 @@ int gb_advance_within(gb_sim *sim, double t, long moves) {
             head->front.t_comm = head->front.t1;
             return GB_PAUSE;
         }
-        code = move(sim, t);
+        code = moves % STEPS_BETWEEN_LOOKS == 0 ? gb_watch_pace(sim, t) : GB_DONE;
+        code = code == GB_DONE ? move(sim, t) : code;
         sim->log.count = sim->log.flushed = 0;
     }
     if (code == GB_DONE && t < head->front.t1) {

@@ -18,6 +18,7 @@
 #include "gb_massless_error.h"
 #include "gb_method_choice.h"
 #include "gb_modes.h"
+#include "gb_progress.h"
 #include "gb_rates.h"
 #include "gb_reach.h"
 #include "gb_rest.h"
@@ -260,9 +261,7 @@ static void propose(gb_sim *sim, double error, double size, double wanted, int r
 static double wanted_step(gb_sim *sim) {
     const gb_head *head = sim->head;
     double h = gb_reach_step(sim, gb_min(head->control.h_next, head->options.max_step));
-    if (head->control.h_feature > 0.0) {
-        h = gb_min(h, head->control.h_feature);
-    }
+    h = head->control.h_feature > 0.0 ? gb_min(h, head->control.h_feature) : h;
     h = sim->model->n_wrapped > 0 ? gb_wrapping_step(sim, h) : h;
     gb_account_size(sim, h);
     return h;
@@ -281,28 +280,24 @@ static double part_kept(gb_sim *sim, double error, double size) {
 
 /* What size and method the step begins with. */
 static int prepare(gb_sim *sim, double limit) {
-    const gb_head *head = sim->head;
-    const int fresh = head->control.h_next == 0.0 || (!head->front.have_k1 && gb_is_at_rest(sim));
-    const int code = fresh && !(head->options.step > 0.0) ? prepare_first(sim) : GB_DONE;
+    const int fresh = sim->head->control.h_next == 0.0 || (!sim->head->front.have_k1 && gb_is_at_rest(sim));
+    const int code = fresh && !(sim->head->options.step > 0.0) ? prepare_first(sim) : GB_DONE;
     return code == GB_DONE ? gb_choice_look(sim, limit) : code;
 }
 
 int gb_step(gb_sim *sim, double stop) {
     gb_head *head = sim->head;
-    const int fixed = head->options.step > 0.0;
     int rejected = 0, code = sim->model->n_wrapped > 0 ? gb_wrap_angles(sim, 1) : GB_DONE;
     double limit = gb_limit_of_step(sim, stop);
     gb_copy(sim->y0, sim->y, sim->model->n_total);
-    head->front.have_dense = head->front.have_quadratures = sim->events.again = 0;
-    head->front.h = 0.0;
+    head->front.h = head->front.have_dense = head->front.have_quadratures = sim->events.again = 0;
     if (code == GB_DONE && gb_is_at(sim, limit)) {
         return gb_jump(sim, limit);
     }
     code = code == GB_DONE ? prepare(sim, limit) : code;
     double h = wanted_step(sim);
     while (code == GB_DONE) {
-        const double end = end_of_step(sim, h, limit);
-        const double size = end - head->front.t1;
+        const double end = end_of_step(sim, h, limit), size = end - head->front.t1;
         if (!(size > 0.0)) { /* lost in the rounding of the time */
             return gb_give_up(sim, GB_DONE, 1, h);
         }
@@ -335,15 +330,18 @@ int gb_step(gb_sim *sim, double stop) {
         if (error <= 0.0) {
             sim->events.again++;
             h = sim->events.part * size;
+            code = gb_progress_of_tries(sim, stop, 1);
             continue;
         }
         gb_forget_trial(sim, error);
-        h = fixed ? 0.0 : gb_choice_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
+        h = head->options.step > 0.0
+                ? 0.0
+                : gb_choice_rejected(sim, size * (error > 0.0 ? gb_step_factor(sim, error, 0) : 0.1));
         if (h < 16.0 * DBL_EPSILON * gb_max(fabs(head->front.t1), head->control.h_largest) || h < 1e-200) {
             return gb_give_up(sim, code, error > 0.0, h);
-        } else {
-            code = sim->head->report.code = GB_DONE;
         }
+        head->report.code = GB_DONE;
+        code = gb_progress_of_tries(sim, stop, 0);
     }
     return code;
 }

@@ -119,6 +119,43 @@ def test_what_grows_far_but_ends_or_grows_as_a_power_of_time_runs_to_its_end():
     assert fall["rotor.w"][-1] == pytest.approx(1e18, rel=1e-9)
 
 
+# -- progress ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("torque", "method", "counted"),
+    [
+        (-1e20 * W, "dp8", 65599),
+        (-1e20 * W, "dp5", 65599),
+        (1e10 * gb.sin(1e20 * W), "dp5", 400),  # it moves to the next zero of the sine; many tries are refused
+    ],
+)
+@pytest.mark.few(1)
+def test_steps_that_do_not_bring_the_run_on_end_it_by_name(torque, method, counted):
+    """Rest 1e-20 s after the start, on the way to which no step of an explicit method may be longer: 1e21 of them."""
+    model = gb.build(_fed(torque, w0=1.0))
+    with pytest.raises(
+        gb.SimulationError,
+        match=rf"'rotor': {counted} steps or tries in a row hardly bring the run on.*'rodas' goes on",
+    ) as caught:
+        gb.simulate(model, t=[0.0, 10.0], method=method)
+    assert caught.value.time < 1e-10
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", GearblocksWarning)  # of the sine, steps of 1e-20 s are worth nothing
+        assert abs(gb.simulate(model, t=[0.0, 10.0], method="rodas")["rotor.w"][-1]) <= 1.0
+
+
+@pytest.mark.long
+def test_a_condition_that_no_step_is_short_enough_to_tell_ends_the_run_by_name():
+    """sin cos <= 1/2, which an enclosure of both does not know where each step spans many of their cycles."""
+    q = 1e24 * PHI
+    model = gb.build(_fed(gb.piecewise((5.0, gb.sin(q) * gb.cos(q) > 0.6), (1.0, True)), w0=1.0))
+    with pytest.raises(
+        gb.SimulationError, match=r"'feed': 400 steps or tries in a row hardly bring the run on.*looser rtol"
+    ):
+        gb.simulate(model, t_end=10.0, method="dp8")
+
+
 def test_a_record_of_steps_without_end_stops_at_its_room(monkeypatch):
     monkeypatch.setattr(running, "memory_limit", lambda _: 1 << 23)
     rig = _pair()
