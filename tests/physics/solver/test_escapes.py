@@ -125,9 +125,9 @@ def test_what_grows_far_but_ends_or_grows_as_a_power_of_time_runs_to_its_end():
 @pytest.mark.parametrize(
     ("torque", "method", "counted"),
     [
-        (-1e20 * W, "dp8", 65599),
-        (-1e20 * W, "dp5", 65599),
-        (1e10 * gb.sin(1e20 * W), "dp5", 400),  # it moves to the next zero of the sine; many tries are refused
+        (-1e20 * W, "dp8", r"6\d{4}"),  # steps when the pace is looked at first
+        (-1e20 * W, "dp5", r"6\d{4}"),
+        (1e10 * gb.sin(1e20 * W), "dp5", "400"),  # it moves to the next zero of the sine; many tries are refused
     ],
 )
 @pytest.mark.few(1)
