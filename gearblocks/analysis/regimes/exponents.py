@@ -24,6 +24,7 @@ from gearblocks.analysis.regimes.settling import ARRIVED, misses
 from gearblocks.analysis.regimes.sizes import settled
 from gearblocks.analysis.regimes.stiff_trains import warn_if_stiff
 from gearblocks.analysis.regimes.strobe import Strobe, strobe
+from gearblocks.analysis.regimes.whole_turns import goes_on
 from gearblocks.analysis.sections import LONGEST, Section
 from gearblocks.drivetrain import Drivetrain
 from gearblocks.errors import ParameterError, SimulationError, by_name_only
@@ -132,7 +133,8 @@ def lyapunov(
 ) -> LyapunovExponents:  # fmt: skip
     """The `count` largest exponents (default: all) of the motion after `transient` periods of the section, over `periods` of
     them. A motion that has arrived at a periodic orbit has the exponents of that orbit. rtol: of the run; parameters and
-    initial: as for `simulate`. Raises SimulationError, ParameterError."""
+    initial: as for `simulate`. Raises SimulationError, also where a state goes on far out though laws read it, and
+    ParameterError."""
     if periods < BATCHES or transient < 0 or (count is not None and count < 1):
         raise ParameterError(
             f"periods = {periods} must be >= {BATCHES}, transient = {transient} >= 0 and count = {count} >= 1"
@@ -148,13 +150,18 @@ def lyapunov(
             "there are no exponents but those that are 0 by structure", None,
         )  # fmt: skip
     found = exponents_of(seen, y, neutral, periods, count, passed)
-    return replace(found, orbit=_arrived(seen, found, neutral, acts.periods) if acts.periods else None)
-
-
-def _arrived(seen: Strobe, found: LyapunovExponents, neutral: Neutral, drives: int) -> PeriodicOrbit | None:
-    """The orbit that the motion is on at the end of that, if it is on one; drives: periods after which these repeat."""
-    wait = -found.passed % drives  # orbits begin with them
+    wait = -found.passed % max(1, acts.periods)  # orbits begin with the drives
     points = np.vstack([found.states, seen.follow(found.states, wait + 2 * LONGEST, after=found.passed).states])[wait:]
+    if words := goes_on(seen, points, neutral):
+        raise SimulationError(
+            found.passed * seen.period, "", words,
+            "differences beside it are told near 0 alone: take fewer periods and a shorter transient", None,
+        )  # fmt: skip
+    return replace(found, orbit=_arrived(seen, points, neutral, acts.periods) if acts.periods else None)
+
+
+def _arrived(seen: Strobe, points: Array, neutral: Neutral, drives: int) -> PeriodicOrbit | None:
+    """The orbit that a motion with these points is on, if it is on one; drives: periods after which these repeat."""
     off = misses(points, seen, neutral, LONGEST)
     for m in np.flatnonzero(off <= ARRIVED) + 1:
         orbit = shoot(seen, points[0], int(m), neutral, drives) if m % drives == 0 else None

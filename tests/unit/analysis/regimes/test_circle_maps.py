@@ -73,6 +73,14 @@ def test_a_turn_that_is_not_found_gives_no_exponents(transient: int) -> None:
         assert found.label == "unresolved" and "map.x goes on" in found.evidence[0], found.evidence
 
 
+def test_exponents_far_out_are_refused_and_those_near_the_start_are_right() -> None:
+    train = _train(1.0, 0.5, 0.7123456)
+    with pytest.raises(gb.SimulationError, match=r"map\.x goes on, to .* so far.*a shorter transient"):
+        gb.lyapunov(train, SECTION)  # it was +0.033 +- 0.002
+    near = gb.lyapunov(train, SECTION, periods=40, transient=0)
+    assert near.values[0] * near.period == pytest.approx(_known(1.0, 0.5, 1000)[1], abs=2e-3)
+
+
 def test_an_angle_that_is_read_at_two_incommensurable_waves_gives_no_exponents() -> None:
     # x' = 1.9 + sin x/2 + sin(sqrt(2) x)/2 but for a little inertia: a flow of one angle, with the exponent 0
     rig, x = gb.Drivetrain("rotor"), gb.sense("disc.phi")
