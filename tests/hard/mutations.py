@@ -1,6 +1,6 @@
 """Breaks the sources on purpose, one change at a time, and asks whether the tests notice.
 
-    python tests/hard/mutations.py [name or subject ...]
+    python tests/hard/mutations.py [--workers N] [name or subject ...]
     python tests/hard/mutations.py --table
 
 Each entry of mutations.toml replaces one piece of text. Its tests pass on the sources as they are, and fail on the changed
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import queue
 import shutil
 import subprocess
 import sys
@@ -20,6 +21,8 @@ import time
 import tomllib
 import xml.etree.ElementTree as ET
 from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,8 +32,8 @@ COPIED = ("gearblocks", "fmu_export", "models", "tests", "pyproject.toml")
 WRONG = ("AssertionError", "ValueError", "IndexError", "SimulationError", "GearblocksWarning", "Failed")
 """Errors of a test that tell of a wrong result: ValueError and IndexError where events are more or fewer than expected,
 GearblocksWarning where the ledger does not close, Failed where a refusal is missing."""
-PATIENCE = 600.0
-"""Seconds after which pytest is stopped; such a mutation is not caught."""
+PATIENCE, WITH_ALL = 600.0, 3600.0
+"""Seconds after which pytest is stopped: with the tests of one mutation, which is not caught then, and with those of all."""
 GUARD = Path(__file__).with_name("of_the_copy.py")
 """conftest.py of the copies."""
 
@@ -82,7 +85,8 @@ def table() -> str:
 
 
 def copied(folder: Path) -> Path:
-    """A copy of the package and its tests in `folder`."""
+    """A copy of the package and its tests in `folder`, which it makes."""
+    folder.mkdir()
     unwanted = shutil.ignore_patterns("__pycache__", ".*_cache", "*.pyc")
     for name in COPIED:
         if (ROOT / name).is_dir():
@@ -93,18 +97,19 @@ def copied(folder: Path) -> Path:
     return folder
 
 
-def answer(folder: Path, tests: tuple[str, ...]) -> Answer:
+def answer(folder: Path, tests: tuple[str, ...], *options: str, patience: float = PATIENCE) -> Answer:
     """Runs tests in a copy, up to the first that fails."""
     report = folder / "report.xml"
     report.unlink(missing_ok=True)
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", f"--junitxml={report}", *tests]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", f"--junitxml={report}"]
+    command += [*options, *tests]
     environment = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
     environment["GEARBLOCKS_CACHE"] = str(folder / "cache")
     began = time.monotonic()
     try:
-        subprocess.run(command, cwd=folder, env=environment, capture_output=True, timeout=PATIENCE, check=False)
+        subprocess.run(command, cwd=folder, env=environment, capture_output=True, timeout=patience, check=False)
     except subprocess.TimeoutExpired:
-        return Answer("no end", f"after {PATIENCE:g} s", time.monotonic() - began)
+        return Answer("no end", f"after {patience:g} s", time.monotonic() - began)
     if not report.is_file():
         return Answer("no report", "pytest itself failed", time.monotonic() - began)
     return Answer(*_read(report), time.monotonic() - began)
@@ -145,20 +150,41 @@ def judged(folder: Path, mutation: Mutation) -> Answer:
         (folder / mutation.file).write_text(before, encoding="utf-8")
 
 
-def main(names: list[str]) -> int:
+def judgements(folder: Path, found: list[Mutation], workers: int) -> Iterator[Answer]:
+    """The answers to mutations, in their order, from so many copies of a copy at a time."""
+    free: queue.Queue[Path] = queue.Queue()
+    for number in range(workers):
+        free.put(shutil.copytree(folder, folder.with_name(f"copy {number}")))
+
+    def one(mutation: Mutation) -> Answer:
+        copy = free.get()
+        try:
+            return judged(copy, mutation)
+        finally:
+            free.put(copy)
+
+    with ThreadPoolExecutor(workers) as pool:
+        yield from pool.map(one, found)
+
+
+def main(names: list[str], workers: int) -> int:
     """Prints a row per mutation; 0 when all are caught."""
     found = [m for m in mutations() if not names or m.name in names or m.subject in names]
     unknown = sorted(set(names) - {m.name for m in found} - {m.subject for m in found})
     if unknown:
         print(f"no mutation is named {', '.join(unknown)}", file=sys.stderr)
         return 2
+    workers = max(1, min(workers, len(found)))
     with tempfile.TemporaryDirectory(prefix="mutations-") as place:
-        folder = copied(Path(place))
-        sound = answer(folder, tuple(dict.fromkeys(test for m in found for test in m.tests)))
-        print(f"{'unchanged':28} {'passes' if not sound.error else 'FAILS':12} {sound.seconds:6.1f} s  {sound.words}")
+        folder = copied(Path(place, "copy"))
+        tests = tuple(dict.fromkeys(test for m in found for test in m.tests))
+        sound = answer(folder, tests, "-n", str(workers), patience=WITH_ALL)
+        print(
+            f"{'unchanged':28} {'passes' if not sound.error else 'FAILS':12} {sound.seconds:6.1f} s  {sound.words}",
+            flush=True,
+        )
         missed = []
-        for m in found if not sound.error else []:
-            said = judged(folder, m)
+        for m, said in zip(found, judgements(folder, found, workers) if not sound.error else (), strict=False):
             missed += [] if said.noticed else [m.name]
             verdict = "caught" if said.noticed else "NOT CAUGHT"
             print(f"{m.name:28} {verdict:12} {said.seconds:6.1f} s  {said.error}: {said.words}", flush=True)
@@ -169,9 +195,10 @@ def main(names: list[str]) -> int:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description="Are changes of the sources noticed by the tests?")
     parser.add_argument("names", nargs="*", help="mutations of mutations.toml, or subjects; without: all")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="copies that are tested at a time")
     parser.add_argument("--table", action="store_true", help="prints the table of README.md")
     given = parser.parse_args()
     if given.table:
         print(table(), end="")
         sys.exit(0)
-    sys.exit(main(given.names))
+    sys.exit(main(given.names, given.workers))
