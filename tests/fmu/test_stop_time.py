@@ -221,6 +221,17 @@ def test_a_motion_that_leaves_the_numbers_ends_by_name(tmp_path: Path, unpacker:
         assert (phi, w) == (pytest.approx(1e180, rel=1e-6), pytest.approx(2e90, rel=1e-6))
 
 
+def test_steps_that_do_not_bring_a_step_of_the_master_on_end_it_by_name(tmp_path: Path, unpacker: Unpacker) -> None:
+    """It comes to rest within 1e-20 s: by an explicit method in more steps than there is time for."""
+    rig = gb.Drivetrain("stiff")
+    rig.chain(rig.add("brake", gb.Torque(tau=-1e20 * gb.sense("body.w"))), rig.add("body", gb.Inertia(J=1.0, w0=1.0)))
+    unpacked = unpacker(fmu_export.export(rig, tmp_path / "m.fmu", method="dp5", patience=None), tmp_path / "m")
+    with Instance(unpacked) as instance:
+        instance.start()
+        line = instance.refuses(lambda: instance.step(0.0, 1.0))
+        assert "steps or tries in a row hardly bring the run on" in line and "'body." in line and "?" not in line
+
+
 @pytest.mark.long
 def test_a_trial_step_that_is_not_finite_is_a_step_too_long(tmp_path: Path, unpacker: Unpacker) -> None:
     """The torque (1 - t)^0.5 N m is no number beyond t = 1 s; the run goes as far as it goes."""
