@@ -36,7 +36,8 @@ const gb_solver *gb_solver_here(void) {
     if ((!asked || strcmp(asked, "x86-64-v3") == 0) && runs_v3())
         return &gb_solver_v3;
 #endif
-    return !asked || strcmp(asked, "x86-64") == 0 ? &gb_solver_plain : NULL;
+    const int plain = !asked || strcmp(asked, "x86-64") == 0 || strcmp(asked, "x86-64-v2") == 0; /* v2 gains nothing */
+    return plain ? &gb_solver_plain : NULL;
 }
 
 const char *gb_solver_words(void) {

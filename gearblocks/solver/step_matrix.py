@@ -32,6 +32,7 @@ class _Pattern(ctypes.Structure):
         ("n", c_int),
         ("n_places", c_int),
         ("tree", c_int),
+        ("ahead", c_int),
         ("order", POINTER(c_int)),
         ("start", POINTER(c_int)),
         ("row", POINTER(c_int)),
@@ -71,11 +72,11 @@ def pattern_of(shared: ctypes.CDLL, sim: int | None) -> Pattern | None:
         return None
     p = raw.contents
     start, order = tuple(p.start[: p.n + 1]), tuple(p.order[: p.n])
-    n_pairs = sum((b - a) * (b - a - 1) // 2 for a, b in pairwise(start))
+    n_pairs = sum((b - a) * (b - a - 1) // 2 for a, b in pairwise(start[p.ahead :]))
     steps = [0] * p.n
     for step, unknown in enumerate(order):
         steps[unknown] = step
-    return Pattern(order, tuple(steps), start, tuple(p.row[: p.n_places]), tuple(p.pair[:n_pairs]))
+    return Pattern(order, tuple(steps), start, tuple(p.row[: p.n_places]), tuple(p.pair[:n_pairs]), p.ahead)
 
 
 def sizes_of(shared: ctypes.CDLL, sim: int | None) -> tuple[int, int, int]:

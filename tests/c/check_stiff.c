@@ -118,7 +118,7 @@ static void check_singular(void) {
 /* A full 4 x 4 matrix through the kernel with pairs. */
 static void check_factors(void) {
     const int order[] = {2, 0, 3, 1}, start[] = {0, 3, 5, 6, 6}, row[] = {1, 2, 3, 2, 3, 3}, pair[] = {3, 4, 5, 5};
-    const gb_pattern p = {4, 6, 0, order, start, row, pair};
+    const gb_pattern p = {4, 6, 0, 0, order, start, row, pair};
     double a[4][4], diag[4], lower[6], upper[6], inverse[4], work[4], x[4], b[4] = {0.0};
     for (int i = 0; i < 4; i++) {
         for (int j = 0; j < 4; j++) {
@@ -133,13 +133,48 @@ static void check_factors(void) {
             upper[place] = a[order[k]][order[row[place]]];
         }
     }
-    CHECK(gb_factor(&p, 2.0, diag, lower, upper, inverse) == -1, "singular");
+    CHECK(gb_factor(&p, NULL, 2.0, diag, lower, upper, inverse) == -1, "singular");
     gb_solve(&p, inverse, lower, upper, b, work, x);
     for (int i = 0; i < 4; i++) {
         CHECK(fabs(x[i] - 2.0 * (i + 1.0)) < 1e-13, "x[%d] = %.17g", i, x[i]);
     }
     diag[2] = 0.0;
-    CHECK(gb_factor(&p, 1.0, diag, lower, upper, inverse) == 2, "the first pivot is zero");
+    CHECK(gb_factor(&p, NULL, 1.0, diag, lower, upper, inverse) == 2, "the first pivot is zero");
+}
+
+/* The same with the unknown of one step `gain` times another one, and one that nothing else reads ahead of them: x
+ * follows, and what is left of the equations has no part along such motions. */
+static void check_ties(int step, int with, double gain) {
+    const int order[] = {4, 2, 0, 3, 1}, start[] = {0, 2, 5, 7, 8, 8}, row[] = {1, 4, 2, 3, 4, 3, 4, 4},
+              pair[] = {5, 6, 7, 7};
+    const gb_pattern p = {5, 8, 0, 1, order, start, row, pair};
+    int place[5];
+    const double gains[5] = {gain, gain, gain, gain, gain};
+    const gb_ties ties = {place, gains};
+    double a[5][5] = {{0.0}}, diag[5], lower[8], upper[8], inverse[5], work[5], x[5], left[5],
+           b[5] = {3.0, -1.0, 2.0, 0.5, 4.0};
+    for (int k = 0; k < 5; k++) {
+        a[order[k]][order[k]] = diag[order[k]] = 5.0 + k;
+        place[k] = -1;
+        for (int at = start[k]; at < start[k + 1]; at++) {
+            a[order[row[at]]][order[k]] = lower[at] = k > 0 ? 1.0 / (2.0 + at) : 0.0;
+            a[order[k]][order[row[at]]] = upper[at] = 1.0 - 0.2 * at;
+            place[k] = k == step && row[at] == with ? at : place[k];
+        }
+    }
+    CHECK(gb_factor(&p, &ties, 2.0, diag, lower, upper, inverse) == -1, "singular");
+    gb_solve(&p, inverse, lower, upper, b, work, x);
+    for (int i = 0; i < 5; i++) {
+        left[i] = -2.0 * b[i];
+        for (int j = 0; j < 5; j++) {
+            left[i] += a[i][j] * x[j];
+        }
+    }
+    CHECK(x[order[step]] == gain * x[order[with]], "%g and %g", x[order[step]], x[order[with]]);
+    left[order[with]] += gain * left[order[step]];
+    for (int i = 0; i < 5; i++) {
+        CHECK(i == order[step] || fabs(left[i]) < 1e-13, "equation %d: %g", i, left[i]);
+    }
 }
 
 /* A tree that is mostly a chain eliminated from both ends, its matrix not symmetric, the order backwards: `leaves` hang
@@ -147,7 +182,7 @@ static void check_factors(void) {
 static void check_runs(int n, int leaves) {
     int order[64], start[65], row[64];
     double diag[64], lower[64], upper[64], inverse[64], work[64], x[64], b[64], l0[64], u0[64];
-    const gb_pattern p = {n, n - 1, 1, order, start, row, NULL};
+    const gb_pattern p = {n, n - 1, 1, 0, order, start, row, NULL};
     for (int k = 0; k < n; k++) {
         order[k] = n - 1 - k;
         start[k] = k;
@@ -165,7 +200,7 @@ static void check_runs(int n, int leaves) {
         b[order[row[k]]] += lower[k] * (k + 1.0);
         b[order[k]] += upper[k] * (row[k] + 1.0);
     }
-    CHECK(gb_factor(&p, 2.0, diag, lower, upper, inverse) == -1, "singular");
+    CHECK(gb_factor(&p, NULL, 2.0, diag, lower, upper, inverse) == -1, "singular");
     gb_solve(&p, inverse, lower, upper, b, work, x);
     for (int k = 0; k < n; k++) {
         CHECK(fabs(x[order[k]] - 2.0 * (k + 1.0)) < 1e-12 * n, "%d of %d: %.17g", k, n, x[order[k]]);
@@ -206,6 +241,12 @@ static void check_snapshot(void) {
 void check_stiff(void) {
     const double stiff[] = {1.0, 1e2, 1e4, 1e6}, damping[] = {1e-1, 1e-3, 1e-5, 1e-7};
     check_factors();
+    check_ties(1, 2, 1.0);
+    check_ties(1, 3, -0.5);
+    check_ties(1, 4, 3.0);
+    check_ties(2, 3, -2.0);
+    check_ties(2, 4, 1.0);
+    check_ties(3, 4, 0.25);
     for (int n = 8; n < 64; n++) {
         check_runs(n, n % 4);
     }

@@ -48,7 +48,7 @@ static void pol_rhs(const double *par, const double *mode, const double *time_te
 }
 
 static const int two_order[] = {0, 1}, two_start[] = {0, 1, 1}, two_row[] = {1};
-static const gb_pattern two_pattern = {2, 1, 0, two_order, two_start, two_row, NULL};
+static const gb_pattern two_pattern = {2, 1, 0, 0, two_order, two_start, two_row, NULL};
 
 static void pol_jacobian(const double *par, const double *mode, const double *time_terms, const double *y,
                          const double *dy, double g, double *diag, double *lower, double *upper, double *kept) {
@@ -141,7 +141,7 @@ static void node_energies(const double *par, const double *mode, const double *t
 }
 
 static const int node_order[] = {1, 0};
-static const gb_pattern node_pattern = {2, 1, 1, node_order, two_start, two_row, NULL};
+static const gb_pattern node_pattern = {2, 1, 1, 0, node_order, two_start, two_row, NULL};
 
 const gb_model node_model = {
     .name = "node",

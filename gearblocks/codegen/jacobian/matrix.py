@@ -16,11 +16,12 @@ from gearblocks.codegen.batch import BatchCode
 from gearblocks.codegen.function import Argument, Function, column
 from gearblocks.codegen.generator import Generator
 from gearblocks.codegen.jacobian.law_derivatives import Slopes
-from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate
+from gearblocks.codegen.jacobian.sparsity import Pattern, eliminate, read_by_none
 from gearblocks.codegen.jacobian.unknowns import Unknowns
 from gearblocks.codegen.jacobian.unknowns_varying import Varying
 from gearblocks.codegen.operands import Assignment, Choice, Index, Local, Operand, Role
 from gearblocks.codegen.parts import Call, Computed, GroupRows, Linear, SignalDerivatives
+from gearblocks.train.disjoint_sets import DisjointSets
 
 
 def linear_part(g: Generator) -> Linear | None:
@@ -37,7 +38,7 @@ def linear_part(g: Generator) -> Linear | None:
         feedback.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, feedback)
         forces = frozenset(unknowns.first_speed + group for group in g.assembly.force_unknowns)
-        pattern = eliminate(unknowns.count, matrix.coupled(batches), forces)
+        pattern = _pattern(g, unknowns, list(matrix.coupled(batches)), forces)
         linear = Linear(pattern, unknowns.n_kinematic, unknowns.first_speed, feedback.kept, feedback.n_slopes)
         if isinstance(unknowns, Unknowns) and not unknowns.plain:
             linear.group_rows = GroupRows(
@@ -53,6 +54,28 @@ def linear_part(g: Generator) -> Linear | None:
     except NotImplementedError:  # a law without derivative, or one that C does not know
         return None
     return linear
+
+
+def _pattern(
+    g: Generator, unknowns: Unknowns | Varying, coupled: list[tuple[int, int]], forces: frozenset[int]
+) -> Pattern:
+    """That of the matrix: states that nothing reads go ahead, and speeds that a constraint may tie are neighbours where that
+    closes no ring (gb_step_constraints.h)."""
+    if isinstance(unknowns, Varying):
+        return eliminate(unknowns.count, coupled, forces)
+    ahead = read_by_none(coupled, range(unknowns.first_speed)) if unknowns.first_speed else []
+    ties = [row for row in g.constraints.rows if len(row) == 2]
+    rings: DisjointSets[int] = DisjointSets()
+    away = set(ahead)
+    for i, j in coupled if ties else ():
+        if i not in away and j not in away:
+            rings.join(i, j)
+    for row in ties:
+        one, other = (unknowns.first_speed + g.constraints.speeds[k] for k in row)
+        if rings.root(one) != rings.root(other):
+            rings.join(one, other)
+            coupled.append((one, other))
+    return eliminate(unknowns.count, coupled, forces, ahead)
 
 
 def is_linear(g: Generator) -> bool:

@@ -93,7 +93,8 @@ int gb_watch_pace(gb_sim *sim, double target) {
     for (int i = fast; i < model->n; i++) {
         fast = sim->control.largest[i] > sim->control.largest[fast] ? i : fast;
     }
-    const double t = sim->head->front.t1, since = t - gb_max(growth->t_look, sim->head->front.t_start);
+    const double t = sim->head->front.t1, from = growth->look_at > 0.0 ? growth->t_look : sim->head->front.t_start;
+    const double since = t - from;
     const double speed = model->n_speeds > 0 ? sim->control.largest[fast] : 0.0, pace = since / steps;
     const int escapes = growth->look_at > 0.0 && speed > gb_max(BEYOND_MACHINES, GROWS * growth->speed) &&
                         pace < FALLS * growth->pace && target - t > LEFT * since;

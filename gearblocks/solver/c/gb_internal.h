@@ -140,14 +140,13 @@ struct gb_counts {
 /* GB_AUTO. */
 struct gb_choice {
     int automatic, explicit_method;
-    int large_step;                /* the next step is a large implicit one */
-    int trial;                     /* > 1: tries of implicit steps until it is decided, less one */
-    int looks, gap;                /* how often it was considered lately, and how many steps there are between */
+    int large_step, early; /* the next step is a large implicit one; the last look came early, for those held back */
+    int trial;             /* > 1: tries of implicit steps until it is decided, less one */
+    int looks, gap;        /* how often it was considered lately, and how many steps there are between */
     long long look_at, steps_look; /* the next look; steps, rejected ones too, at the last one */
     int restless;                  /* recent changes of the method */
     long long calm_at;             /* when one of them is forgotten */
     long long held, held_next; /* steps in a row that only the reach of the method holds back; how many are looked at */
-    int early;                 /* the last look was for them, before its time */
     double t_look, h_explicit, h_pays;
     int n_switches, switch_method[GB_KEPT];
     double switch_t[GB_KEPT];
@@ -155,18 +154,17 @@ struct gb_choice {
 
 /* Events. */
 struct gb_event_state {
-    double t_break;              /* the next announced instant: time switches and tables */
-    int pending;                 /* an event waits at the front */
-    int armed;                   /* some switch has just flipped and is watched from its limit */
-    double flight;               /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
-    double flight_end;           /* and until when that may still be so, friction changing its pace */
-    double piece;                /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
-    double entered;              /* the last event: the present modes began there */
-    double held_until;           /* the first limit that is not watched is so no more (HUGE_VAL: none) */
-    double look_ahead;           /* > 0: how far ahead the motion tells what constraints do from here */
-    long long look_at, look_gap; /* events when rests on limits are looked at again; how many lie between */
-    long long crowd, tries;      /* events, refused tries when it was last asked whether they let time go on, */
-    double t_crowd, t_tries, target;                                       /* then; the end of the present gb_run */
+    double t_break;     /* the next announced instant: time switches and tables */
+    int pending, armed; /* an event waits at the front; some switch has just flipped and is watched from its limit */
+    double flight;      /* how long a body that has just hit a stop is away (HUGE_VAL: none) */
+    double flight_end;  /* and until when that may still be so, friction changing its pace */
+    double piece;       /* length of the piece of a step in which a crossing was enclosed last (0: none yet) */
+    double entered;     /* the last event: the present modes began there */
+    double held_until;  /* the first limit that is not watched is so no more (HUGE_VAL: none) */
+    double look_ahead;  /* > 0: how far ahead the motion tells what constraints do from here */
+    long long look_at, look_gap;     /* events when rests on limits are looked at again; how many lie between */
+    long long crowd, tries;          /* events, refused tries when it was last asked whether they let time go on, */
+    double t_crowd, t_tries, target; /* then; the end of the present gb_run */
     double rested_at[GB_SLIDING], reach[GB_SLIDING], admitted[GB_SLIDING]; /* see gb_limit_bend.h */
     int forces_agreed; /* enclosed constraint forces were right at the start of a step since the modes changed */
     int n_sliding, sliding[GB_SLIDING], resting[GB_SLIDING]; /* see gb_sliding.h, gb_rates.h */
@@ -273,14 +271,15 @@ struct gb_event_log {
 
 /* The step matrix of an implicit method (GB_AUTO looks at it too). */
 struct gb_implicit {
-    double *diag, *inverse, *lower, *upper; /* factors, see gb_sparse_ldu.h */
-    double *kinematic_terms;                /* what eliminates the kinematic states */
-    double *work, *unknown;
+    double *diag, *inverse, *lower, *upper;   /* factors, see gb_sparse_ldu.h */
+    double *kinematic_terms, *work, *unknown; /* what eliminates the kinematic states */
     int *colour, *link, n_colours; /* by unknown; by kinematic state and colour: the unknown in its rate, or -1 */
-    double *gain;                  /* and one over its factor */
-    double h;                      /* the step size it was made for */
+    double *gain, h;               /* and one over its factor; the step size that the matrix was made for */
     double *row_response, *row_inverse, *row_room; /* its answers to forces along active rows, inverse of their slips */
     double *row_change, *row_by_state;             /* of these slips: what unknowns and what states add */
+    int tied, *tie_place;            /* active rows are ties, by step of the elimination as gb_ties has them, */
+    double *tie_gain, *cluster_gain; /* and are all that is asked; how many times as fast as its cluster moves, */
+    int *cluster;                    /* by speed, which cluster that is (-1: none) */
 };
 
 /* Switched constraints, by constraint; row_size, impacts, impact_speed in the block, all else scratch of an event. */

@@ -128,6 +128,10 @@ static void lay_implicit(gb_sim *sim, char *base, size_t *at) {
     s->colour = take(base, at, sizeof(int) * (size_t)(m->pattern->n + 1));
     s->link = take(base, at, sizeof(int) * links);
     s->gain = take(base, at, sizeof(double) * links);
+    s->tie_place = take(base, at, sizeof(int) * (size_t)(m->pattern->n + 1));
+    s->tie_gain = doubles(base, at, m->pattern->n);
+    s->cluster = take(base, at, sizeof(int) * (size_t)(m->n_speeds + 1));
+    s->cluster_gain = doubles(base, at, m->n_speeds);
 }
 
 static void lay_events(gb_sim *sim, char *base, size_t *at) {

@@ -31,13 +31,14 @@ static double stability(const gb_sim *sim) {
 }
 
 /* What the active rows of constraints add to it: in eight stages, and once a step to factor their matrix. */
-static double row_cost(const gb_sim *sim) {
-    const double rows = gb_n_active_rows(sim), all = sim->model->pattern->n, speeds = sim->model->n_speeds;
+static double row_cost(gb_sim *sim) {
+    const double rows = gb_tie_unknowns(sim) ? 0.0 : gb_n_active_rows(sim), all = sim->model->pattern->n,
+                 speeds = sim->model->n_speeds;
     return 0.26 * rows * (8.0 * (speeds + rows + all) + 3.0 * all + rows * (speeds + rows));
 }
 
 /* Cost of an implicit step in explicit ones, counted in right-hand sides; calibrated on a chain. */
-static double implicit_cost(const gb_sim *sim) {
+static double implicit_cost(gb_sim *sim) {
     const gb_pattern *p = sim->model->pattern;
     const double places = (double)p->n_places / (p->n + 1), pairs = (double)gb_pair_count(p) / (p->n + 1);
     const double solve = p->tree ? 0.2 + 0.4 * places : 0.5 + 0.7 * places;

@@ -29,10 +29,11 @@ typedef double gb_block __attribute__((vector_size(GB_PAD * sizeof(double)), ali
  * the rows row[place] > k (steps of the elimination, ascending). U has the transposed pattern and the same places.
  * Eliminating column k subtracts from the diagonal of each of its rows, and for every pair a < b of its entries from
  * the place pair[...] (of L at (row b, column row a), and of U transposed); pairs are listed column by column, a
- * outermost. Where every column has at most one entry (`tree`), there are no pairs. */
+ * outermost. Where every column has at most one entry (`tree`), there are no pairs. The unknowns of the first `ahead`
+ * steps are read by no other equation: their columns of L are zero, and have no pairs. */
 typedef struct gb_pattern {
     int n, n_places;
-    int tree;
+    int tree, ahead;
     const int *order, *start, *row, *pair;
 } gb_pattern;
 

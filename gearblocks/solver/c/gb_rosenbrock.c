@@ -140,8 +140,9 @@ static int factor(gb_sim *sim, double h) {
     sim->head->counts.jacobians++;
     sim->implicit.h = h;
     gb_hold_speeds(sim);
-    const int bad = gb_factor(model->pattern, gamma, sim->implicit.diag, sim->implicit.lower, sim->implicit.upper,
-                              sim->implicit.inverse);
+    const gb_ties ties = {sim->implicit.tie_place, sim->implicit.tie_gain};
+    const int bad = gb_factor(model->pattern, sim->implicit.tied ? &ties : NULL, gamma, sim->implicit.diag,
+                              sim->implicit.lower, sim->implicit.upper, sim->implicit.inverse);
     if (bad < 0) {
         gb_factor_constraints(sim);
     }

@@ -19,11 +19,43 @@ static inline int in_run(const gb_pattern *p, int k, int place) {
            ((row[0] ^ (k + 2)) | (row[1] ^ (k + 3)) | (row[2] ^ (k + 4)) | (row[3] ^ (k + 5))) == 0;
 }
 
+/* Unknowns that nothing reads: rows of U alone. */
+static void factor_ahead(const gb_pattern *p, double *restrict pivot, double *restrict upper) {
+    for (int k = 0; k < p->ahead; k++) {
+        pivot[k] = 1.0 / pivot[k];
+        for (int place = p->start[k]; place < p->start[k + 1]; place++) {
+            upper[place] *= pivot[k];
+        }
+    }
+}
+
+/* The unknown of step k is `gain` times that of row[at]: its row and its column are added to those, and it follows. */
+static void tie(const gb_pattern *p, int k, int at, double gain, double *restrict pivot, double *restrict lower,
+                double *restrict upper, const int *restrict pair) {
+    const int from = p->start[k], to = p->start[k + 1];
+    pivot[p->row[at]] += gain * (lower[at] + upper[at]) + gain * gain * pivot[k];
+    for (int a = from; a < to; a++) {
+        for (int b = a + 1; b < to; b++, pair++) {
+            if (a == at) {
+                lower[*pair] += gain * lower[b];
+                upper[*pair] += gain * upper[b];
+            } else if (b == at) {
+                lower[*pair] += gain * upper[a];
+                upper[*pair] += gain * lower[a];
+            }
+        }
+    }
+    for (int a = from; a < to; a++) {
+        lower[a] = upper[a] = a == at ? -gain : 0.0;
+    }
+    pivot[k] = 0.0;
+}
+
 /* Every column has one entry at most, its parent. Along runs only a division and a difference follow on each other. */
 static void factor_tree(const gb_pattern *p, double *restrict pivot, double *restrict lower, double *restrict upper) {
     const int *start = p->start, *row = p->row;
     const gb_pair one = {1.0, 1.0};
-    int k = 0;
+    int k = p->ahead;
     while (k < p->n) {
         int place = start[k];
         if (in_run(p, k, place)) {
@@ -51,11 +83,16 @@ static void factor_tree(const gb_pattern *p, double *restrict pivot, double *res
     }
 }
 
-static void factor_general(const gb_pattern *restrict p, double *restrict pivot, double *restrict lower,
-                           double *restrict upper) {
+static void factor_general(const gb_pattern *restrict p, const gb_ties *ties, double *restrict pivot,
+                           double *restrict lower, double *restrict upper) {
     const int *restrict pair = p->pair;
-    for (int k = 0; k < p->n; k++) {
+    for (int k = p->ahead; k < p->n; k++) {
         const int from = p->start[k], to = p->start[k + 1];
+        if (ties && ties->place[k] >= 0) {
+            tie(p, k, ties->place[k], ties->gain[k], pivot, lower, upper, pair);
+            pair += (to - from) * (to - from - 1) / 2;
+            continue;
+        }
         pivot[k] = 1.0 / pivot[k];
         for (int a = from; a < to; a++) {
             const double l = lower[a] * pivot[k], u = upper[a] * pivot[k];
@@ -73,11 +110,17 @@ static void factor_general(const gb_pattern *restrict p, double *restrict pivot,
     }
 }
 
-int gb_factor(const gb_pattern *p, double scale, const double *diag, double *lower, double *upper, double *inverse) {
+int gb_factor(const gb_pattern *p, const gb_ties *ties, double scale, const double *diag, double *lower, double *upper,
+              double *inverse) {
     for (int k = 0; k < p->n; k++) {
         inverse[k] = diag[p->order[k]];
     }
-    (p->tree ? factor_tree : factor_general)(p, inverse, lower, upper);
+    factor_ahead(p, inverse, upper);
+    if (p->tree && !ties) {
+        factor_tree(p, inverse, lower, upper);
+    } else {
+        factor_general(p, ties, inverse, lower, upper);
+    }
     int bad = -1;
     for (int k = p->n - 1; k >= 0; k--) {
         bad = inverse[k] - inverse[k] == 0.0 ? bad : k;
@@ -89,7 +132,7 @@ int gb_factor(const gb_pattern *p, double scale, const double *diag, double *low
 /* In runs two links are taken at once, so that each waits for half as many results: w4 - l2 (w2 - l0 w0) as
  * (w4 - l2 w2) + (l2 l0) w0. */
 static void forward_tree(const gb_pattern *p, const double *restrict lower, double *restrict w) {
-    int k = 0;
+    int k = p->ahead;
     while (k < p->n) {
         int place = p->start[k];
         if (in_run(p, k, place)) {
@@ -114,26 +157,27 @@ static void forward_tree(const gb_pattern *p, const double *restrict lower, doub
 static void backward_tree(const gb_pattern *p, const double *restrict inverse, const double *restrict upper,
                           double *restrict w, double *restrict x) {
     const int *order = p->order;
+    const int last = p->ahead + 3;
     int k = p->n - 1;
-    while (k >= 0) {
+    while (k >= p->ahead) {
         const int place = p->start[k];
-        if (k >= 3 && p->start[k - 3] == place - 3 && in_run(p, k - 3, place - 3)) {
-            gb_pair last = pair_at(w + k + 1);
+        if (k >= last && p->start[k - 3] == place - 3 && in_run(p, k - 3, place - 3)) {
+            gb_pair behind = pair_at(w + k + 1);
             int at = place - 3;
             do {
                 k -= 4;
                 const gb_pair u0 = pair_at(upper + at), u2 = pair_at(upper + at + 2);
                 const gb_pair w0 = pair_at(w + k + 1) * pair_at(inverse + k + 1);
-                const gb_pair w2 = pair_at(w + k + 3) * pair_at(inverse + k + 3), x2 = w2 - u2 * last;
-                last = (w0 - u0 * w2) + (u0 * u2) * last;
-                put(w + k + 1, last);
-                x[order[k + 1]] = last[0];
-                x[order[k + 2]] = last[1];
+                const gb_pair w2 = pair_at(w + k + 3) * pair_at(inverse + k + 3), x2 = w2 - u2 * behind;
+                behind = (w0 - u0 * w2) + (u0 * u2) * behind;
+                put(w + k + 1, behind);
+                x[order[k + 1]] = behind[0];
+                x[order[k + 2]] = behind[1];
                 x[order[k + 3]] = x2[0];
                 x[order[k + 4]] = x2[1];
                 put(w + k + 3, x2);
                 at -= 4;
-            } while (k >= 3 && p->start[k - 3] == at && in_run(p, k - 3, at));
+            } while (k >= last && p->start[k - 3] == at && in_run(p, k - 3, at));
         } else {
             w[k] *= inverse[k];
             if (place < p->start[k + 1]) {
@@ -145,14 +189,18 @@ static void backward_tree(const gb_pattern *p, const double *restrict inverse, c
     }
 }
 
-static void solve_general(const gb_pattern *restrict p, const double *restrict inverse, const double *restrict lower,
-                          const double *restrict upper, double *restrict w, double *restrict x) {
-    for (int k = 0; k < p->n; k++) {
+static void forward_general(const gb_pattern *restrict p, const double *restrict lower, double *restrict w) {
+    for (int k = p->ahead; k < p->n; k++) {
         for (int place = p->start[k]; place < p->start[k + 1]; place++) {
             w[p->row[place]] -= lower[place] * w[k];
         }
     }
-    for (int k = p->n - 1; k >= 0; k--) {
+}
+
+/* The unknowns of the steps before `from`, down to step `to`. */
+static void backward_general(const gb_pattern *restrict p, int from, int to, const double *restrict inverse,
+                             const double *restrict upper, double *restrict w, double *restrict x) {
+    for (int k = from - 1; k >= to; k--) {
         double sum = w[k] * inverse[k];
         for (int place = p->start[k]; place < p->start[k + 1]; place++) {
             sum -= upper[place] * w[p->row[place]];
@@ -171,13 +219,15 @@ void gb_solve(const gb_pattern *p, const double *inverse, const double *lower, c
         forward_tree(p, lower, work);
         backward_tree(p, inverse, upper, work, x);
     } else {
-        solve_general(p, inverse, lower, upper, work, x);
+        forward_general(p, lower, work);
+        backward_general(p, p->n, p->ahead, inverse, upper, work, x);
     }
+    backward_general(p, p->ahead, 0, inverse, upper, work, x);
 }
 
 long gb_pair_count(const gb_pattern *p) {
     long count = 0;
-    for (int k = 0; k < p->n; k++) {
+    for (int k = p->ahead; k < p->n; k++) {
         const long entries = p->start[k + 1] - p->start[k];
         count += entries * (entries - 1) / 2;
     }

@@ -8,9 +8,17 @@
 
 #include "gb_model.h"
 
-/* Factors L D U in place. diag: by unknown; inverse[k] = scale / pivot of step k; lower and upper become L and U.
- * Returns -1, or the unknown whose pivot is zero or not finite. */
-int gb_factor(const gb_pattern *p, double scale, const double *diag, double *lower, double *upper, double *inverse);
+/* Unknowns that follow others: that of step k is gain[k] times the one whose row stands in place[k] of its column (-1:
+ * it follows none), and its equation counts as much for that one: N' A N x = N' b. */
+typedef struct gb_ties {
+    const int *place;
+    const double *gain;
+} gb_ties;
+
+/* Factors L D U in place. diag: by unknown; inverse[k] = scale / pivot of step k; lower and upper become L and U. ties:
+ * NULL, or those of the steps. Returns -1, or the unknown whose pivot is zero or not finite. */
+int gb_factor(const gb_pattern *p, const gb_ties *ties, double scale, const double *diag, double *lower, double *upper,
+              double *inverse);
 
 /* x = scale (L D U)^-1 b, both by unknown (b may be x); work: pattern->n entries. */
 void gb_solve(const gb_pattern *p, const double *inverse, const double *lower, const double *upper, const double *b,

@@ -56,6 +56,73 @@ void gb_wanted_slips(gb_sim *sim, const double *k) {
     }
 }
 
+/* Speeds by the cluster that they move with as one, held ones in none (-1); 0: the active set is not like ties. */
+static int find_clusters(gb_sim *sim, const gb_active_set *a) {
+    const gb_model *model = sim->model;
+    const int apart = !model->constant_rows || model->driven_rows || model->constraint_change || model->heat_of_force;
+    const int roots = *a->n_roots;
+    int *cluster = sim->implicit.cluster;
+    double *gain = sim->implicit.cluster_gain;
+    if (apart || roots < 0 || a->tie_start[roots] + *a->n_held != *a->n_rows) {
+        return 0;
+    }
+    for (int i = 0; i < model->n_speeds; i++) {
+        cluster[i] = -1;
+    }
+    for (int q = 0; q < roots; q++) {
+        cluster[a->root[q]] = q;
+        gain[a->root[q]] = 1.0;
+        for (int e = a->tie_start[q]; e < a->tie_start[q + 1]; e++) {
+            cluster[a->tied[e]] = q;
+            gain[a->tied[e]] = a->tie_gain[e];
+        }
+    }
+    return 1;
+}
+
+/* The place in column k of a speed that moves as one with that of step k; -1: there is none. */
+static int place_of_tie(const gb_sim *sim, int k, int first) {
+    const gb_pattern *p = sim->model->pattern;
+    const int own = p->order[k] - first, n = sim->model->n_speeds;
+    const int cluster = own >= 0 && own < n ? sim->implicit.cluster[own] : -1;
+    for (int place = p->start[k]; place < p->start[k + 1] && cluster >= 0; place++) {
+        const int other = p->order[p->row[place]] - first;
+        if (other >= 0 && other < n && sim->implicit.cluster[other] == cluster) {
+            sim->implicit.tie_gain[k] = sim->implicit.cluster_gain[own] / sim->implicit.cluster_gain[other];
+            return place;
+        }
+    }
+    return -1;
+}
+
+int gb_tie_unknowns(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const int first = model->n - model->n_speeds - model->n_kinematic;
+    if (gb_n_active_rows(sim) == 0) {
+        return 0;
+    }
+    const gb_active_set a = gb_active_at(model->constraint_rows, sim->mode + model->n_switches);
+    int followers = 0;
+    if (!find_clusters(sim, &a)) {
+        return 0;
+    }
+    for (int k = 0; k < model->pattern->n; k++) {
+        sim->implicit.tie_place[k] = place_of_tie(sim, k, first);
+        followers += sim->implicit.tie_place[k] >= 0;
+    }
+    return followers == a.tie_start[*a.n_roots];
+}
+
+/* Speeds that are at rest for good have an inertia without bound. */
+static void hold_at_rest(gb_sim *sim) {
+    const gb_model *model = sim->model;
+    const gb_active_set a = gb_active_at(model->constraint_rows, sim->mode + model->n_switches);
+    const int from = a.tie_start[*a.n_roots];
+    for (int e = from; e < from + *a.n_held; e++) {
+        sim->implicit.diag[model->n - model->n_speeds - model->n_kinematic + a.tied[e]] = HUGE_VAL;
+    }
+}
+
 /* The only speed of row j that is not held; -1: there are none or several. */
 static int last_speed(const gb_sim *sim, int j, const double *diag) {
     const double *row = sim->constraints.row + (size_t)j * (size_t)sim->model->n_speeds;
@@ -78,6 +145,11 @@ void gb_hold_speeds(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = gb_n_active_rows(sim);
     double *diag = sim->implicit.diag + model->n - model->n_speeds - model->n_kinematic;
+    sim->implicit.tied = gb_tie_unknowns(sim);
+    if (sim->implicit.tied) {
+        hold_at_rest(sim);
+        return;
+    }
     for (int j = 0; j < n; j++) {
         double *row = sim->constraints.row + (size_t)j * (size_t)model->n_speeds;
         model->constraint_row(sim->par, sim->mode, sim->lanes.time_terms, sim->y0, active_index(sim, j), 0, row);
@@ -121,6 +193,9 @@ static void add_shares(gb_sim *sim, int j, double *unknowns) {
 void gb_factor_constraints(gb_sim *sim) {
     const gb_model *model = sim->model;
     const int n = gb_n_active_rows(sim), size = n > 0 ? model->pattern->n : 0;
+    if (sim->implicit.tied) {
+        return;
+    }
     find_changes(sim);
     for (int j = 0; j < n; j++) {
         double *answer = sim->implicit.row_response + (size_t)j * (size_t)size;
@@ -145,10 +220,10 @@ void gb_constrain_answer(gb_sim *sim, double *x) {
     const gb_model *model = sim->model;
     const int n = gb_n_active_rows(sim), size = n > 0 ? model->pattern->n : 0;
     double *speeds = x + model->n - model->n_speeds - model->n_kinematic;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n && !sim->implicit.tied; i++) {
         sim->constraints.right[i] -= slip_of_answer(sim, i, x);
     }
-    for (int j = 0; j < n; j++) {
+    for (int j = 0; j < n && !sim->implicit.tied; j++) {
         double force = 0.0;
         for (int i = 0; i < n; i++) {
             force += sim->implicit.row_inverse[j * n + i] * sim->constraints.right[i];

@@ -22,8 +22,9 @@ def _row(count, drive, capacity, inertia=1.0, w0=0.0):
 
 
 @pytest.mark.long
-def test_a_thousand_stuck_clutches_turn_as_one_body():
-    run = gb.simulate(_row(1000, 100.0, 1e6), t=[0.0, 2.0])
+@pytest.mark.parametrize("method", ["auto", "rodas"])
+def test_a_thousand_stuck_clutches_turn_as_one_body(method):
+    run = gb.simulate(_row(1000, 100.0, 1e6), t=[0.0, 2.0], method=method)
     ends = np.array([run[f"b{i}.w"][-1] for i in (0, 1, 499, 1000)])
     assert len(set(ends)) == 1
     assert ends[0] == pytest.approx(100.0 * 2.0 / 1001, rel=EXACT)

@@ -145,6 +145,13 @@ def test_steps_that_do_not_bring_the_run_on_end_it_by_name(torque, method, count
         assert abs(gb.simulate(model, t=[0.0, 10.0], method="rodas")["rotor.w"][-1]) <= 1.0
 
 
+@pytest.mark.parametrize("start", [-2.0, 3.0])
+def test_many_steps_are_no_stall_wherever_the_time_begins(start):
+    """70,000 steps, which are looked at once, from a time that is not 0."""
+    run = gb.simulate(_pair(k=1e9), t_start=start, t=[start, start + 1e-3], method="dp5", rtol=1e-9)
+    assert run.stats.steps > 65600 and run["a.w"][-1] + run["b.w"][-1] == pytest.approx(1.0, rel=1e-9)
+
+
 @pytest.mark.long
 def test_a_condition_that_no_step_is_short_enough_to_tell_ends_the_run_by_name():
     """sin cos <= 1/2, which an enclosure of both does not know where each step spans many of their cycles."""

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gearblocks.codegen.jacobian.sparsity import eliminate
+from gearblocks.codegen.jacobian.sparsity import eliminate, read_by_none
 
 
 def test_a_chain_is_eliminated_from_both_ends_without_fill():
@@ -62,3 +62,18 @@ def test_every_product_of_the_elimination_finds_its_place(data):
                 full[one, other] = full[other, one] = True
                 pairs.append((one, other))
     assert list(pattern.pair) == [pattern.place(pattern.order[a], pattern.order[b]) for a, b in pairs]
+
+
+def test_what_no_equation_reads_goes_ahead_and_couples_nothing():
+    """0 reads 3 and 4, 1 reads 0 and 4, 2 is read by 3: one after the other 1 and 0 go, and the rest is a chain."""
+    coupled = [(0, 3), (0, 4), (1, 0), (1, 4), (3, 2), (2, 3), (3, 4), (4, 3), (1, 1)]
+    ahead = read_by_none(coupled, range(3))
+    assert ahead == [1, 0]
+    pattern = eliminate(5, coupled, ahead=ahead)
+    assert pattern.ahead == 2 and pattern.order[:2] == (1, 0) and pattern.is_tree
+    assert [len(range(*pattern.start[k : k + 2])) for k in range(2)] == [2, 2]
+    assert not eliminate(5, coupled).is_tree
+
+
+def test_what_reads_each_other_is_read():
+    assert read_by_none([(0, 1), (1, 0), (2, 1)], range(3)) == [2]
