@@ -53,7 +53,7 @@ def test_every_kind_of_code_in_a_binary_gives_the_bits_of_the_run_in_process(
     by_name = {v.name: v.valueReference for v in fmpy.read_model_description(str(path)).modelVariables}
     refs = [by_name[name] for name in names]
     here = [variant.name for variant in variants_of(find_compiler()) if runs(variant.name)]
-    for name in ("", "x86-64", *here):
+    for name in ("", "x86-64", *(x for x in ("x86-64-v2",) if runs(x)), *here):
         monkeypatch.setenv(VARIABLE, name)
         with Instance(unpacked) as instance:
             instance.start(stop=0.05)

@@ -77,9 +77,7 @@ def eliminate(
 
 def _peel(neighbours: list[set[int]], columns: dict[int, list[int]], last: frozenset[int]) -> None:
     """Takes leaves away until every unknown that is left has two neighbours at least, or is one of the last."""
-    waiting = deque(
-        i for i, around in enumerate(neighbours) if len(around) <= 1 and i not in last and i not in columns
-    )
+    waiting = deque(i for i, around in enumerate(neighbours) if len(around) <= 1 and i not in last and i not in columns)
     while waiting:
         i = waiting.popleft()
         if i in columns:
@@ -126,9 +124,13 @@ def _numbered(columns: dict[int, list[int]], ahead: int) -> Pattern:
 
 
 def read_by_none(coupled: Iterable[tuple[int, int]], among: Iterable[int]) -> list[int]:
-    """Those of `among` that no equation reads but their own and those of earlier ones of these; coupled: (equation, unknown)."""
+    """Those of `among` that no equation reads but their own and those of earlier ones of these.
+
+    coupled: (equation, unknown).
+    """
     candidates = set(among)
-    readers, reads = dict.fromkeys(candidates, 0), {i: [] for i in candidates}
+    readers = dict.fromkeys(candidates, 0)
+    reads: dict[int, list[int]] = {i: [] for i in candidates}
     for i, j in {pair for pair in coupled if pair[1] in candidates and pair[0] != pair[1]}:
         readers[j] += 1
         if i in candidates:
