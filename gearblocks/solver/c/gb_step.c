@@ -280,8 +280,9 @@ static double part_kept(gb_sim *sim, double error, double size) {
 
 /* What size and method the step begins with. */
 static int prepare(gb_sim *sim, double limit) {
-    const int fresh = sim->head->control.h_next == 0.0 || (!sim->head->front.have_k1 && gb_is_at_rest(sim));
-    const int code = fresh && !(sim->head->options.step > 0.0) ? prepare_first(sim) : GB_DONE;
+    const gb_head *head = sim->head;
+    const int fresh = head->control.h_next == 0.0 || (!head->front.have_k1 && gb_is_at_rest(sim));
+    const int code = fresh && !(head->options.step > 0.0) ? prepare_first(sim) : GB_DONE;
     return code == GB_DONE ? gb_choice_look(sim, limit) : code;
 }
 
