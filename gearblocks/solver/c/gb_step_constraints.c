@@ -59,7 +59,8 @@ void gb_wanted_slips(gb_sim *sim, const double *k) {
 /* Speeds by the cluster that they move with as one, held ones in none (-1); 0: the active set is not like ties. */
 static int find_clusters(gb_sim *sim, const gb_active_set *a) {
     const gb_model *model = sim->model;
-    const int apart = !model->constant_rows || model->driven_rows || model->constraint_change || model->heat_of_force;
+    const int turns = !model->constant_rows || model->driven_rows || model->constraint_change,
+              loses = model->constraint_rows->shares || model->heat_of_force, apart = turns || loses;
     const int roots = *a->n_roots;
     int *cluster = sim->implicit.cluster;
     double *gain = sim->implicit.cluster_gain;

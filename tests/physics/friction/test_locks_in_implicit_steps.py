@@ -34,6 +34,15 @@ def _row_of_locks():
     return _row(_lock(), _lock(), _spring(), _lock())
 
 
+def _beside_losses():
+    """A lossy gear, which always drives: what it takes is no row of its own kind."""
+    rig = _row(_lock(), _spring(), _lock())
+    rig.connect(rig["b3"].b, rig.add("gear", gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.85))).a)
+    rig.connect(rig["gear"].b, rig.add("load", gb.Inertia(J=0.6, w0=1.0)).a)
+    rig.connect(rig["load"].b, rig.add("brake", gb.SpeedLoad(coeffs=(0.0, 3.0, 0.0))).flange)
+    return rig
+
+
 def _behind_ratios():
     """The clutch ties bodies behind gears: speeds as 2 to 3."""
     rig = gb.Drivetrain("ratios")
@@ -79,7 +88,7 @@ def _planetary():
     return rig
 
 
-@pytest.mark.parametrize("make", [_row_of_locks, _behind_ratios, _braked, _side_by_side, _planetary])
+@pytest.mark.parametrize("make", [_row_of_locks, _beside_losses, _behind_ratios, _braked, _side_by_side, _planetary])
 def test_they_move_as_by_explicit_steps(make):
     model = gb.build(make())
     bodies = [name for name in model.program.output_numbers if name.endswith(".w") and name.count(".") == 1]
