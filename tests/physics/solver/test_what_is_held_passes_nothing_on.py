@@ -40,7 +40,7 @@ def _rig(holder, contact, load, ratio=None):
     rig.connect(rest.b, rig.add("ground", gb.Fixed()).flange)
     if holder == "stop":
         rig.connect(held.b, rig.add("holder", gb.HardStop(upper=0.0, restitution=0.0)).a)
-    elif holder == "brake":
+    elif holder in ("brake", "brake, losses apart"):
         rig.connect(held.b, rig.add("holder", gb.Brake(capacity=1e4)).a)
     elif holder == "bearing":
         rig.connect(held.b, rig.add("holder", gb.BearingFriction(coulomb=1e4)).a)
@@ -50,12 +50,26 @@ def _rig(holder, contact, load, ratio=None):
         rig.connect(held.b, clutch.a)
         rig.connect(clutch.b, between.a)
         rig.connect(between.b, rig.add("holder", gb.Brake(capacity=1e4)).a)
+    if holder == "brake, losses apart":  # a train of its own, whose locks are no ties
+        gear = gb.LossyGear(ratio=2.0, efficiency=(0.9, 0.85))
+        rig.chain(
+            rig.add("drive", gb.Torque(tau=1.0)), rig.add("one", gb.Inertia(J=0.2, w0=2.0)), rig.add("lossy", gear),
+            rig.add("two", gb.Inertia(J=0.3, w0=1.0)),
+        )  # fmt: skip
     return rig
 
 
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize(
-    ("holder", "ratio"), [("brake", None), ("bearing", None), ("clutch", None), ("stop", None), ("brake", 2.7)]
+    ("holder", "ratio"),
+    [
+        ("brake", None),
+        ("brake, losses apart", None),
+        ("bearing", None),
+        ("clutch", None),
+        ("stop", None),
+        ("brake", 2.7),
+    ],
 )
 @pytest.mark.few(1)
 def test_nothing_moves_behind_what_is_held(holder, ratio, contact):
