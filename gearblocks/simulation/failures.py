@@ -303,8 +303,8 @@ _CAUSES: dict[Code, tuple[str, str]] = {
     ),
     Code.ERR_STALL: (
         "steps hardly bring the run on",
-        "motion there is quicker by far than the run is long: look for a stiffness, damping or inertia in a wrong unit; where "
-        "such motion dies out at once, method='auto' or 'rodas' goes on",
+        "motion there is quicker by far than the run is long (or step= or max_step= far too short for it): look for a "
+        "stiffness, damping or inertia in a wrong unit; where such motion dies out at once, method='auto' or 'rodas' goes on",
     ),
     Code.ERR_SINGULAR: (
         "the matrix of an implicit step has no inverse", "this part can move without inertia, damping or stiffness"
