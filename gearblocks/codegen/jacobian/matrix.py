@@ -38,7 +38,7 @@ def linear_part(g: Generator) -> Linear | None:
         feedback.find({fed.path for slopes in batches for fed in slopes.fed})
         matrix = Matrix(unknowns, feedback)
         forces = frozenset(unknowns.first_speed + group for group in g.assembly.force_unknowns)
-        pattern = _pattern(g, unknowns, list(matrix.coupled(batches)), forces)
+        pattern = _pattern(g, unknowns, matrix.coupled(batches), forces)
         linear = Linear(pattern, unknowns.n_kinematic, unknowns.first_speed, feedback.kept, feedback.n_slopes)
         if isinstance(unknowns, Unknowns) and not unknowns.plain:
             linear.group_rows = GroupRows(
@@ -57,14 +57,15 @@ def linear_part(g: Generator) -> Linear | None:
 
 
 def _pattern(
-    g: Generator, unknowns: Unknowns | Varying, coupled: list[tuple[int, int]], forces: frozenset[int]
+    g: Generator, unknowns: Unknowns | Varying, pairs: Iterator[tuple[int, int]], forces: frozenset[int]
 ) -> Pattern:
     """That of the matrix: states that nothing reads go ahead, and speeds that a constraint may tie are neighbours where that
     closes no ring (gb_step_constraints.h)."""
-    if isinstance(unknowns, Varying):
-        return eliminate(unknowns.count, coupled, forces)
-    ahead = read_by_none(coupled, range(unknowns.first_speed)) if unknowns.first_speed else []
     ties = [row for row in g.constraints.rows if len(row) == 2]
+    if isinstance(unknowns, Varying) or not (ties or unknowns.first_speed):
+        return eliminate(unknowns.count, pairs, forces)
+    coupled = list(pairs)
+    ahead = read_by_none(coupled, range(unknowns.first_speed))
     rings: DisjointSets[int] = DisjointSets()
     away = set(ahead)
     for i, j in coupled if ties else ():
